@@ -8,8 +8,9 @@ import json
 import pathlib
 import tomllib
 from dataclasses import dataclass
+from typing import Any
 
-from polhode_ground.campaigns.plan import Plan, Run, Scene
+from polhode_ground.campaigns.plan import Plan, Run, Scene, Setting
 from polhode_ground.campaigns.store import Store, digest, file_digest, folder_digest, is_whole, keep_copy, source_digest
 from polhode_ground.campaigns.tasks import Task
 from polhode_ground.common.errors import BadInput
@@ -119,7 +120,7 @@ class _Maker:
         keep_copy(LIMIT_PROGRAM, self.store.input(key, LIMIT_PROGRAM.name))
         return key
 
-    def _config(self, setting) -> pathlib.Path:
+    def _config(self, setting: Setting) -> pathlib.Path:
         """A copy of the configuration; the file itself where it names others beside it."""
         if _named_files(setting.config, setting.settings):
             return setting.config
@@ -136,7 +137,7 @@ class _Maker:
             write_whole(copy, scene.text, ours=True)
         return copy
 
-    def task(self, kind: str, key: str, name: str, place: pathlib.Path, **options) -> Task:
+    def task(self, kind: str, key: str, name: str, place: pathlib.Path, **options: Any) -> Task:
         if kind in SOURCES:
             options["sources"] = (SOURCES[kind], self.sources[kind])
         return Task(kind, key, name, place, self.store.log(kind, key), options)
@@ -200,7 +201,7 @@ class _Maker:
             self._limit(run, sequence_key, options),
         )
 
-    def _limit(self, run: Run, sequence_key: str, options: dict) -> Task | None:
+    def _limit(self, run: Run, sequence_key: str, options: dict[str, Any]) -> Task | None:
         """Of the sequence and the configuration alone, so that other programs find it there."""
         if self.limit_key is None:
             return None
@@ -244,8 +245,9 @@ def open_book(plan: Plan, store: Store, program: pathlib.Path) -> list[Chain]:
     return chains
 
 
-def _entry(chain: Chain, plan: Plan) -> dict:
+def _entry(chain: Chain, plan: Plan) -> dict[str, Any]:
     judge = chain.task("judge")
+    assert judge is not None, "every chain ends with it"
     return {
         "scene": chain.run.scene.name,
         "transform": chain.run.transform.name,
@@ -259,10 +261,11 @@ def _entry(chain: Chain, plan: Plan) -> dict:
     }
 
 
-def read_book(folder: pathlib.Path) -> dict:
+def read_book(folder: pathlib.Path) -> dict[str, Any]:
     path = folder / BOOK_FILE
     try:
-        return json.loads(path.read_text())
+        book: dict[str, Any] = json.loads(path.read_text())
+        return book
     except FileNotFoundError:
         raise BadInput(f"{folder}: no campaign's folder: {BOOK_FILE} is missing") from None
     except ValueError as problem:

@@ -2,11 +2,12 @@
 
 import pathlib
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
 
-def packets_of(bus_file: pathlib.Path, name: str) -> Iterator:
+def packets_of(bus_file: pathlib.Path, name: str) -> Iterator[Any]:
     """Those of one name, in order; none where there is no such file."""
     if not bus_file.exists():
         return

@@ -15,9 +15,13 @@ import os
 import pathlib
 import subprocess
 import sys
+from typing import TYPE_CHECKING
 
 from polhode_ground.common.ranges import number, whole
 from polhode_ground.common.venv import REPOSITORY, enter_venv, run_main
+
+if TYPE_CHECKING:
+    from polhode_ground.campaigns.tasks import Outcome
 
 FAILED, SCHEDULER_LOST, INTERRUPTED = 1, 1, 130
 
@@ -71,7 +75,7 @@ class Reporter:
         self.out, self.every_s, self.clock = out, every_s, time.monotonic
         self.last_s = self.clock()
 
-    def __call__(self, outcome) -> None:
+    def __call__(self, outcome: "Outcome") -> None:
         from polhode_ground.campaigns.report import write_report
 
         if outcome.task.kind == "judge" and self.clock() - self.last_s > self.every_s:

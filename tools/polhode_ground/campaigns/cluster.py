@@ -4,6 +4,7 @@ import contextlib
 import logging
 import pathlib
 import tomllib
+from collections.abc import Iterator
 
 import dask
 from distributed import Client, LocalCluster
@@ -65,7 +66,7 @@ def _slurm(file: pathlib.Path) -> Client:
 
 
 @contextlib.contextmanager
-def workers(count: int, scheduler: str | None, slurm: pathlib.Path | None):
+def workers(count: int, scheduler: str | None, slurm: pathlib.Path | None) -> Iterator[Client]:
     """A client of the workers; they end with it, unless they belong to a scheduler that was there."""
     for name in [name for name in logging.root.manager.loggerDict if name.split(".")[0] == "distributed"]:
         logging.getLogger(name).setLevel(logging.CRITICAL)  # what is lost is told by us, in a line
@@ -76,5 +77,5 @@ def workers(count: int, scheduler: str | None, slurm: pathlib.Path | None):
         finally:
             with contextlib.suppress(Exception):  # a scheduler that is gone can't be told
                 client.close(timeout=5)
-                if not scheduler:
+                if not scheduler and client.cluster is not None:
                     client.cluster.close(timeout=5)

@@ -6,20 +6,23 @@ import pathlib
 import sys
 import time
 import uuid
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from distributed import Client, as_completed
+from distributed import Client, Future, as_completed
 from distributed.client import FutureCancelledError
 from distributed.scheduler import KilledWorker
 
 from polhode_ground.campaigns.book import Chain
 from polhode_ground.campaigns.store import is_whole
-from polhode_ground.campaigns.tasks import KINDS, Outcome, perform
+from polhode_ground.campaigns.tasks import KINDS, Outcome, Task, perform
 from polhode_ground.common.whole_file import write_whole
 
 LINE_EVERY_S = 20.0  # without a terminal
 FAILURES_FILE = "failures.json"
 SESSIONS_FILE = "sessions.jsonl"
+
+Futures = dict[Future[Outcome], Task]
 
 
 class SchedulerLost(Exception):
@@ -32,9 +35,9 @@ class Progress:
 
     todo: dict[str, int]
     workers: int
-    done: collections.Counter = field(default_factory=collections.Counter)
+    done: collections.Counter[str] = field(default_factory=collections.Counter)
     failed: int = 0
-    seconds: collections.Counter = field(default_factory=collections.Counter)
+    seconds: dict[str, float] = field(default_factory=lambda: collections.defaultdict(float))
     start_s: float = field(default_factory=time.monotonic)
     told_s: float = 0.0
 
@@ -75,14 +78,15 @@ class Progress:
         print(("\r\033[K" if terminal else "") + self.text(), end="" if terminal and not last else "\n", file=sys.stderr, flush=True)
 
 
-def _submit(client: Client, chains: list[Chain]) -> dict:
+def _submit(client: Client, chains: list[Chain]) -> Futures:
     """{future: its task} with a future for each missing task, each waiting for the one before it in its chain.
 
     Keys are of this call alone: another campaign on the same scheduler may want the same thing elsewhere.
     """
-    futures, call = {}, uuid.uuid4().hex[:8]
+    futures: dict[str, tuple[Future[Outcome], Task]] = {}
+    call = uuid.uuid4().hex[:8]
     for number, chain in enumerate(chains):
-        before = []
+        before: list[Future[Outcome]] = []
         for task in chain.missing:
             name = f"{task.kind}-{task.key}"
             if name not in futures:
@@ -93,7 +97,7 @@ def _submit(client: Client, chains: list[Chain]) -> dict:
     return dict(futures.values())
 
 
-def _gathered(futures: dict, progress: Progress, on_outcome) -> list[Outcome]:
+def _gathered(futures: Futures, progress: Progress, on_outcome: Callable[[Outcome], None]) -> list[Outcome]:
     outcomes = []
     for future in as_completed(futures):
         try:
@@ -120,10 +124,12 @@ def _time_alone(client: Client, chains: list[Chain], progress: Progress) -> list
     """One run after the other, with nothing beside it, of those whose replay succeeds; on whichever worker is there."""
     outcomes = []
     for chain in _to_time(chains).values():
-        if not is_whole(chain.task("replay").place):
+        replay = chain.task("replay")
+        if replay is None or not is_whole(replay.place):
             progress.todo["time"] -= 1
             continue
-        before, futures = [], {}
+        before: list[Future[Outcome]] = []
+        futures: Futures = {}
         for task in (*chain.missing_sequence, chain.time):  # a sequence that was deleted is made again first
             future = client.submit(perform, task, *before, key=f"{task.kind}-{task.key}-{uuid.uuid4().hex[:8]}", pure=False)
             before, futures = [future], futures | {future: task}
@@ -142,7 +148,9 @@ def _wait_for_a_worker(client: Client) -> None:
             print("campaign: no worker yet, still waiting", file=sys.stderr, flush=True)
 
 
-def execute(client: Client, chains: list[Chain], out: pathlib.Path, time_alone: bool, on_outcome=lambda outcome: None) -> list[Outcome]:
+def execute(
+    client: Client, chains: list[Chain], out: pathlib.Path, time_alone: bool, on_outcome: Callable[[Outcome], None] = lambda outcome: None
+) -> list[Outcome]:
     """Does all that is missing. @return what was done, failures among it; also written to failures.json."""
     _wait_for_a_worker(client)
     count = len(client.scheduler_info()["workers"])

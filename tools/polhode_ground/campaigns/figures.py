@@ -3,8 +3,10 @@
 import base64
 import io
 import pathlib
+from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from polhode_ground.campaigns.summaries import MEASURES, first_pose_curve, values_of
 from polhode_ground.plots import counts, errors, motion, sheet, style
@@ -13,7 +15,7 @@ from polhode_ground.plots.style import plt
 DISTRIBUTIONS = ("causal_attitude_rms_deg", "smoothed_attitude_rms_deg", "coverage", "silence_turn_deg")  # columns
 
 
-def embedded(figure) -> str:
+def embedded(figure: Figure) -> str:
     """A picture as a data address, so that the page needs no other file."""
     octets = io.BytesIO()
     figure.savefig(octets, format="png", dpi=110, metadata={"Software": None})
@@ -21,7 +23,7 @@ def embedded(figure) -> str:
     return "data:image/png;base64," + base64.b64encode(octets.getvalue()).decode()
 
 
-def first_pose(groups: dict[str, list[dict]]) -> str:
+def first_pose(groups: dict[str, list[dict[str, Any]]]) -> str:
     """Share of targets with a first pose over the turn that was seen; a step for each run."""
     figure, axis = plt.subplots(figsize=(7.2, 4.2))
     for number, (name, rows) in enumerate(groups.items()):
@@ -46,7 +48,7 @@ def first_pose(groups: dict[str, list[dict]]) -> str:
     return embedded(figure)
 
 
-def distributions(groups: dict[str, list[dict]]) -> str:
+def distributions(groups: dict[str, list[dict[str, Any]]]) -> str:
     """Share of runs up to a value, for the figures that matter most."""
     figure, axes = plt.subplots(2, 2, figsize=(11, 6.6))
     for axis, measure in zip(axes.ravel(), (one for column in DISTRIBUTIONS for one in MEASURES if one.column == column)):
@@ -73,7 +75,7 @@ def distributions(groups: dict[str, list[dict]]) -> str:
     return embedded(figure)
 
 
-def of_run(row: dict, folder: pathlib.Path) -> list[pathlib.Path]:
+def of_run(row: dict[str, Any], folder: pathlib.Path) -> list[pathlib.Path]:
     """PNGs of one run: frames with what was followed, errors, rates, counts. Kept between calls; none where the run has gone."""
     from polhode_ground.common.sequence import read_sequence
     from polhode_ground.judge.run import read_run, read_truth

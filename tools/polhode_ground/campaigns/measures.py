@@ -6,6 +6,7 @@ error, and all else: its coverage is 0, its silence is the whole sequence, its f
 
 import json
 import pathlib
+from typing import Any
 
 import numpy as np
 import pyarrow
@@ -15,12 +16,12 @@ from scipy.stats import chi2
 from polhode_ground.campaigns.bus_file import packets_of, pose_covariance
 from polhode_ground.campaigns.predictions import judge_points
 from polhode_ground.common.fault_log import LOG_FILE, read_log
-from polhode_ground.common.sequence import read_sequence
+from polhode_ground.common.sequence import Sequence, read_sequence
 from polhode_ground.common.tables import Motion, join
 from polhode_ground.judge import align, metrics
-from polhode_ground.judge.aligned import align_each
+from polhode_ground.judge.aligned import Aligned, align_each
 from polhode_ground.judge.report import lookup
-from polhode_ground.judge.run import judge_run, read_run, read_truth
+from polhode_ground.judge.run import Run, judge_run, read_run, read_truth
 
 # A frame is confidently wrong when it is farther off than the one and says that it is not farther off than the other.
 WRONG_DEG, CONFIDENT_DEG = 5.0, 2.0
@@ -53,7 +54,7 @@ FRAME_COLUMNS = (
 def turned_deg(truth: Motion) -> np.ndarray:
     """[N] how far the body has turned as the camera sees it since the first row, all turns added up."""
     R_CT = align.rotations(truth.q_CT)
-    return np.degrees(np.concatenate([[0.0], np.cumsum((R_CT[1:] * R_CT[:-1].inv()).magnitude())]))
+    return np.asarray(np.degrees(np.concatenate([[0.0], np.cumsum((R_CT[1:] * R_CT[:-1].inv()).magnitude())])))
 
 
 def longest_run(flags: np.ndarray) -> tuple[int, int]:
@@ -73,7 +74,7 @@ def attitude_covariances(bus_file: pathlib.Path) -> dict[int, np.ndarray]:
     }
 
 
-def attitude_nees(part, covariances: dict[int, np.ndarray]) -> np.ndarray:
+def attitude_nees(part: Aligned, covariances: dict[int, np.ndarray]) -> np.ndarray:
     """[N] squared attitude error over its covariance, expected 3; NaN where there is none. Error: R_true = exp(phi) R."""
     phi = (part.R_CT * (part.R_CE * part.R_ET).inv()).as_rotvec()
     result = np.full(len(phi), np.nan)
@@ -84,7 +85,7 @@ def attitude_nees(part, covariances: dict[int, np.ndarray]) -> np.ndarray:
     return result
 
 
-def _errors(estimate: Motion, truth: Motion, covariances: dict) -> dict[str, np.ndarray]:
+def _errors(estimate: Motion, truth: Motion, covariances: dict[int, np.ndarray]) -> dict[str, np.ndarray]:
     """Per row of the estimate [N], NaN where unknown: attitude, its sigma, NEES, position, its sigma, rate, its sigma.
 
     Positions are laid over the truth by one similarity a target frame T: in percent by a fitted scale, in metres by the run's
@@ -115,7 +116,7 @@ def _errors(estimate: Motion, truth: Motion, covariances: dict) -> dict[str, np.
     return found
 
 
-def _availability(causal: Motion, frames: int, seconds: np.ndarray, turn_deg: np.ndarray) -> dict:
+def _availability(causal: Motion, frames: int, seconds: np.ndarray, turn_deg: np.ndarray) -> dict[str, Any]:
     """First pose, coverage and silence. Frames that never came have no row and count as nothing."""
     valid = causal.pose_valid
     acquired = bool(valid.any())
@@ -132,7 +133,7 @@ def _availability(causal: Motion, frames: int, seconds: np.ndarray, turn_deg: np
         "first_pose_s": float(seconds[first]) if acquired else None,
         "first_pose_turn_deg": float(turn_deg[first]) if acquired else None,
         "coverage": int(valid.sum()) / frames,
-        "coverage_after_first": int(valid[first:].sum()) / (frames - first) if acquired else 0.0,
+        "coverage_after_first": int(valid[first:].sum()) / (frames - first) if first is not None else 0.0,
         "silence_frames": silence,
         "silence_s": float(seconds[last] - seconds[silent_from]) if silence else 0.0,
         "silence_turn_deg": float(turn_deg[last] - turn_deg[silent_from]) if silence else 0.0,
@@ -148,7 +149,7 @@ def _share(inside: np.ndarray, known: np.ndarray) -> float | None:
     return float(np.mean(inside[known])) if known.any() else None
 
 
-def _accuracy(prefix: str, found: dict[str, np.ndarray], motion: dict) -> dict:
+def _accuracy(prefix: str, found: dict[str, np.ndarray], motion: dict[str, Any]) -> dict[str, Any]:
     """Errors of one motion file; None where it has no pose that can be judged."""
     error, sigma = found["attitude_error_deg"], found["attitude_sigma_deg"]
     known = np.isfinite(error) & np.isfinite(sigma)
@@ -177,7 +178,7 @@ def _accuracy(prefix: str, found: dict[str, np.ndarray], motion: dict) -> dict:
     return {f"{prefix}_{name}": value for name, value in row.items()}
 
 
-def _nees(values: np.ndarray) -> dict:
+def _nees(values: np.ndarray) -> dict[str, Any]:
     """Mean over 3, expected 1, and shares inside the chi-square bounds, by the published covariance."""
     known = np.isfinite(values)
     row = {"causal_nees": float(np.mean(values[known]) / 3) if known.any() else None}
@@ -186,7 +187,7 @@ def _nees(values: np.ndarray) -> dict:
     return row
 
 
-def measure(run_folder: pathlib.Path, sequence_folder: pathlib.Path, shape: bool) -> tuple[dict, dict]:
+def measure(run_folder: pathlib.Path, sequence_folder: pathlib.Path, shape: bool) -> tuple[dict[str, Any], dict[str, Any]]:
     """(row of the run, columns of its frames)."""
     run, sequence = read_run(run_folder), read_sequence(sequence_folder)
     truth = read_truth(sequence)
@@ -234,7 +235,7 @@ def measure(run_folder: pathlib.Path, sequence_folder: pathlib.Path, shape: bool
     return row, {name: columns[name] for name in FRAME_COLUMNS}
 
 
-def _faults(run, sequence) -> dict:
+def _faults(run: Run, sequence: Sequence) -> dict[str, Any]:
     """Of the transform "faults": coverage of the good frames, wrong poses of bad ones, counters that are off; else None."""
     from polhode_ground.judge.faulted import COUNTER_OF, judge_faulted
 
@@ -250,7 +251,7 @@ def _faults(run, sequence) -> dict:
     }
 
 
-def write_result(row: dict, frames: dict, folder: pathlib.Path) -> None:
+def write_result(row: dict[str, Any], frames: dict[str, Any], folder: pathlib.Path) -> None:
     """run.json and frames.parquet; NaN becomes null."""
     (folder / "run.json").write_text(json.dumps(row, indent=1, default=lambda value: value.item()) + "\n")
     columns = {

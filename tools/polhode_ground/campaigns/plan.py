@@ -8,7 +8,7 @@ import json
 import pathlib
 import tomllib
 from dataclasses import dataclass, field
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from polhode_ground.campaigns.scene_space import Picture, narrowed, points, scene_of
 from polhode_ground.common.errors import BadInput
@@ -37,13 +37,13 @@ class Scene:
     file: pathlib.Path | None = None
     variant: str = ""
     folder: pathlib.Path | None = None
-    path: dict | None = None
+    path: dict[str, Any] | None = None
 
 
 @dataclass(frozen=True)
 class Transform:
     name: str
-    steps: tuple[dict, ...] = ()
+    steps: tuple[dict[str, Any], ...] = ()
     seed: int = 1
 
 
@@ -77,14 +77,14 @@ class Plan:
     time_alone: bool = True  # measure times by runs that have the machine to themselves
     limit: bool = False  # ask from which frame on the depth sign is decidable
     replay_timeout_s: float = 1800.0
-    draws: tuple[dict, ...] = field(default=())  # the points of the scene space, in order
+    draws: tuple[dict[str, Any], ...] = field(default=())  # the points of the scene space, in order
 
     @property
     def runs(self) -> list[Run]:
         return [Run(*one) for one in itertools.product(self.scenes, self.transforms, self.settings)]
 
 
-def scene_toml(scene: dict) -> str:
+def scene_toml(scene: dict[str, Any]) -> str:
     """A scene table as TOML: numbers, texts and lists are written as in JSON, which TOML reads."""
     lines = [f"{key} = {json.dumps(value)}" for key, value in scene.items() if not isinstance(value, dict)]
     for table, values in scene.items():
@@ -109,14 +109,14 @@ class _Reader:
     def refuse(self, where: str, what: str) -> NoReturn:
         raise BadInput(f"{self.path}: {where}: {what}")
 
-    def keys(self, table: str, given, where: str = "") -> None:
+    def keys(self, table: str, given: Any, where: str = "") -> None:
         if not isinstance(given, dict):
             self.refuse(where or table, "a table is needed")
         for key in given:
             if key not in TABLES[table]:
                 self.refuse(f"{where or table}.{key}".lstrip("."), f"unknown; allowed: {', '.join(sorted(TABLES[table]))}")
 
-    def tables(self, name: str) -> list[tuple[str, dict]]:
+    def tables(self, name: str) -> list[tuple[str, dict[str, Any]]]:
         """(where, table) of a list of tables."""
         given = self.raw.get(name, [])
         if not isinstance(given, list):
@@ -125,7 +125,16 @@ class _Reader:
             self.keys(name, table, f"{name} {number}")
         return [(f"{name} {number}", table) for number, table in enumerate(given, 1)]
 
-    def value(self, where: str, table: dict, key: str, kind, default=None, least=None, most=None):
+    def value(
+        self,
+        where: str,
+        table: dict[str, Any],
+        key: str,
+        kind: Any,
+        default: Any = None,
+        least: float | None = None,
+        most: float | None = None,
+    ) -> Any:
         if key not in table:
             if default is None:
                 self.refuse(f"{where}.{key}", "missing")
@@ -138,8 +147,8 @@ class _Reader:
             self.refuse(f"{where}.{key}", f"found {value!r}, allowed is {names[kind]}{allowed}")
         return value
 
-    def texts(self, where: str, table: dict, key: str) -> list[str]:
-        values = self.value(where, table, key, list, [])
+    def texts(self, where: str, table: dict[str, Any], key: str) -> list[str]:
+        values: list[str] = self.value(where, table, key, list, [])
         if not all(isinstance(value, str) for value in values):
             self.refuse(f"{where}.{key}", "a list of texts is needed")
         return values
@@ -163,23 +172,24 @@ class _Reader:
         return self.refuse(where, f"{text} is neither beside the plan nor in the project")
 
 
-def _resolution(reader: _Reader, where: str, table: dict, default: list[int]) -> list[int]:
-    resolution = reader.value(where, table, "resolution", list, default)
+def _resolution(reader: _Reader, where: str, table: dict[str, Any], default: list[int]) -> list[int]:
+    resolution: list[int] = reader.value(where, table, "resolution", list, default)
     if len(resolution) != 2 or not all(isinstance(n, int) and 32 <= n <= 4096 for n in resolution):
         reader.refuse(f"{where}.resolution", "two whole numbers in 32 .. 4096 are needed")
     return resolution
 
 
-def _picture(reader: _Reader, table: dict) -> Picture:
+def _picture(reader: _Reader, table: dict[str, Any]) -> Picture:
+    width, height = _resolution(reader, "scenes", table, [640, 480])
     return Picture(
         frames=reader.value("scenes", table, "frames", int, 80, 3, 100000),
-        resolution=tuple(_resolution(reader, "scenes", table, [640, 480])),
+        resolution=(width, height),
         texture_px=reader.value("scenes", table, "texture_px", int, 1024, 64, 8192),
         samples=reader.value("scenes", table, "samples", int, 16, 1, 4096),
     )
 
 
-def _drawn(reader: _Reader) -> tuple[list[Scene], list[dict]]:
+def _drawn(reader: _Reader) -> tuple[list[Scene], list[dict[str, Any]]]:
     if "scenes" not in reader.raw:
         return [], []
     table = reader.raw["scenes"]

@@ -7,6 +7,7 @@ sides of the body's box: what is far from the mass centre has the attitude's err
 import json
 import pathlib
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -56,14 +57,14 @@ def read_predictions(bus_file: pathlib.Path) -> list[tuple[int, bool, Predicted]
     ]
 
 
-def body_points(scene: dict) -> np.ndarray:
+def body_points(scene: dict[str, Any]) -> np.ndarray:
     """[6,3] the middles of the sides of the body's box in the truth's T [m]; its origin alone where the box is not known."""
     box = np.array(scene.get("bounding_box_T_m", np.zeros((2, 3))))
     middle, half = box.mean(axis=0), np.diff(box, axis=0)[0] / 2
     return np.unique(middle + np.concatenate([np.diag(half), -np.diag(half)]), axis=0)
 
 
-def truth_later(truth: Motion, scene: dict, at_ns: int) -> tuple[Rotation, np.ndarray] | None:
+def truth_later(truth: Motion, scene: dict[str, Any], at_ns: int) -> tuple[Rotation, np.ndarray] | None:
     """(R_CT, p_CT) by the rows of the truth, and beyond them by the motion that a rendered scene has; else None."""
     found = truth_at(truth, at_ns)
     if found is not None:
@@ -91,22 +92,25 @@ def points_nees(predicted: Predicted, part: Aligned, points_T: np.ndarray, R_CT:
     return np.array(result)
 
 
-def judge_points(bus_file: pathlib.Path, sequence_folder: pathlib.Path, truth: Motion, parts: list[Aligned]) -> dict:
+def judge_points(bus_file: pathlib.Path, sequence_folder: pathlib.Path, truth: Motion, parts: list[Aligned]) -> dict[str, Any]:
     """predicted_nees_10_s and so on: median over packets of the points' mean over 3 (1 is right); share beyond 99 %; packets.
 
     A camera that turns is left out: its axes at the time ahead are others.
     """
     file = sequence_folder / SCENE_FILE
     scene = json.loads(file.read_text()) if file.exists() else {}
-    points_T, found = body_points(scene), {ahead: [] for ahead in AHEAD_S}
+    points_T = body_points(scene)
+    found: dict[int, list[np.ndarray]] = {ahead: [] for ahead in AHEAD_S}
     turning = (sequence_folder / "servicer_attitude.csv").exists()
     for frame, metric, predicted in [] if turning else read_predictions(bus_file):
         part = next((one for one in parts if frame in one.rows_E and one.metric == metric), None)
         ahead = round(predicted.ahead_s)
-        later = truth_later(truth, scene, predicted.at_ns) if part is not None and ahead in found else None
+        if part is None or ahead not in found:
+            continue
+        later = truth_later(truth, scene, predicted.at_ns)
         if later is not None:
             found[ahead].append(points_nees(predicted, part, points_T, *later))
-    row = {}
+    row: dict[str, Any] = {}
     for ahead, values in found.items():
         row[f"predicted_nees_{ahead}_s"] = float(np.median(np.mean(values, axis=1) / 3)) if values else None
         row[f"predicted_beyond_99_{ahead}_s"] = float(np.mean(np.array(values) > chi2.ppf(0.99, 3))) if values else None

@@ -3,6 +3,8 @@
 import csv
 import json
 import pathlib
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import jinja2
 
@@ -18,9 +20,9 @@ SUMMARY_COLUMNS = ("transform", "setting", "measure", "count", "of", "centre", "
 PAIRED_COLUMNS = ("transform", "setting", "measure", "pairs", "mean", "low", "high", "better", "worse", "probability")
 
 
-def _groups(rows: list[dict]) -> dict[tuple[str, str], list[dict]]:
+def _groups(rows: list[dict[str, Any]]) -> dict[tuple[str, str], list[dict[str, Any]]]:
     """Rows by (transform, setting), in order of appearance."""
-    found = {}
+    found: dict[tuple[str, str], list[dict[str, Any]]] = {}
     for row in rows:
         found.setdefault((row["transform"], row["setting"]), []).append(row)
     return found
@@ -32,10 +34,10 @@ def _name(group: tuple[str, str]) -> str:
 
 
 # {(transform, setting): {a measure's title: its summary, None where no run has a value}}
-Summaries = dict[tuple[str, str], dict[str, dict | None]]
+Summaries = dict[tuple[str, str], dict[str, dict[str, Any] | None]]
 
 
-def summarised(rows: list[dict]) -> Summaries:
+def summarised(rows: list[dict[str, Any]]) -> Summaries:
     """Every measure of every group, from which all tables are made: the bootstrap is what takes the time."""
     return {
         group: {measure.title: summaries.summary(members, measure) for measure in summaries.MEASURES}
@@ -43,7 +45,7 @@ def summarised(rows: list[dict]) -> Summaries:
     }
 
 
-def summary_table(found: Summaries) -> list[dict]:
+def summary_table(found: Summaries) -> list[dict[str, Any]]:
     """One row for each group and measure that has a value."""
     return [
         {"transform": transform, "setting": setting, "measure": title, **summary}
@@ -53,7 +55,7 @@ def summary_table(found: Summaries) -> list[dict]:
     ]
 
 
-def paired_table(base: list[dict], new: list[dict]) -> list[dict]:
+def paired_table(base: list[dict[str, Any]], new: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """One row for each group and measure over the runs that both campaigns have."""
     table = []
     both = summaries.pairs(base, new)
@@ -66,13 +68,13 @@ def paired_table(base: list[dict], new: list[dict]) -> list[dict]:
     return table
 
 
-def _text(value, layout: str = "{:.3g}") -> str:
+def _text(value: float | None, layout: str = "{:.3g}") -> str:
     if value is None:
         return "-"
     return "never" if value == summaries.NEVER else layout.format(value)
 
 
-def _cell(found: dict | None, measure: summaries.Measure) -> str:
+def _cell(found: dict[str, Any] | None, measure: summaries.Measure) -> str:
     if found is None:
         return "-"
     text = {name: _text(found[name], measure.layout) for name in ("centre", "low", "high", "p90", "worst")}
@@ -82,13 +84,13 @@ def _cell(found: dict | None, measure: summaries.Measure) -> str:
     return cell + (f"<br><small>of {found['count']}</small>" if found["count"] < found["of"] else "")
 
 
-def _table(found: Summaries, cell_of) -> list[list[str]]:
+def _table(found: Summaries, cell_of: Callable[[dict[str, Any] | None, summaries.Measure], str]) -> list[list[str]]:
     """A row for each measure that some group has, by cell_of(summary, measure)."""
     rows = [[measure.title, *(cell_of(by_title[measure.title], measure) for by_title in found.values())] for measure in summaries.MEASURES]
     return [row for row in rows if any(cell != "-" for cell in row[1:])]
 
 
-def _turn_table(groups: dict) -> list[list[str]]:
+def _turn_table(groups: dict[str, Any]) -> list[list[str]]:
     rows = []
     for turn in summaries.TURNS_DEG:
         shares = [summaries.share_by_turn(members, turn) for members in groups.values()]
@@ -96,7 +98,7 @@ def _turn_table(groups: dict) -> list[list[str]]:
     return rows
 
 
-def _paired_html(table: list[dict]) -> list[list[str]]:
+def _paired_html(table: list[dict[str, Any]]) -> list[list[str]]:
     by_title = {measure.title: measure for measure in summaries.MEASURES}
     rows = []
     for one in table:
@@ -123,7 +125,7 @@ def _paired_html(table: list[dict]) -> list[list[str]]:
     return rows
 
 
-def _worst(out: pathlib.Path, rows: list[dict]) -> list[dict]:
+def _worst(out: pathlib.Path, rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """The worst runs with their pictures, drawn once."""
     found = []
     for row in sorted(rows, key=summaries.badness)[:WORST]:
@@ -132,7 +134,7 @@ def _worst(out: pathlib.Path, rows: list[dict]) -> list[dict]:
     return found
 
 
-def _sessions(out: pathlib.Path) -> list[dict]:
+def _sessions(out: pathlib.Path) -> list[dict[str, Any]]:
     path = out / SESSIONS_FILE
     sessions = [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
     for session in sessions:
@@ -141,7 +143,7 @@ def _sessions(out: pathlib.Path) -> list[dict]:
     return sessions
 
 
-def _write_csv(path: pathlib.Path, columns, table: list[dict]) -> None:
+def _write_csv(path: pathlib.Path, columns: Sequence[str], table: list[dict[str, Any]]) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     with beside(path, ours=True) as part, open(part, "w", newline="") as stream:
         writer = csv.DictWriter(stream, columns, lineterminator="\n", extrasaction="ignore")
@@ -186,7 +188,7 @@ def write_report(out: pathlib.Path, vs: pathlib.Path | None = None, pictures: bo
             main=_table(found, _cell),
             turns=_turn_table(groups) if rows else [],
             base=base[0] if base else None,
-            other_judge=bool(base) and base[0].get("judge_key") != book.get("judge_key"),
+            other_judge=base is not None and base[0].get("judge_key") != book.get("judge_key"),
             unpaired=len(rows) - len(summaries.pairs(base[1], rows)) if base else 0,
             base_main=_table(base_found, _cell),
             base_groups=[_name(key) for key in base_found],
@@ -204,7 +206,7 @@ def write_report(out: pathlib.Path, vs: pathlib.Path | None = None, pictures: bo
     return folder / "index.html", printed(found)
 
 
-def _plain_cell(found: dict | None, measure: summaries.Measure) -> str:
+def _plain_cell(found: dict[str, Any] | None, measure: summaries.Measure) -> str:
     if found is None:
         return "-"
     text = {name: _text(found[name], measure.layout) for name in ("centre", "low", "high")}
@@ -223,7 +225,7 @@ def printed(found: Summaries) -> str:
     return table(_header(found), lines) if lines else "no run is judged yet"
 
 
-def markdown(found: Summaries, rows: list[dict]) -> str:
+def markdown(found: Summaries, rows: list[dict[str, Any]]) -> str:
     """The figures and the curve of the first pose as Markdown tables, for a document."""
     header, lines = _header(found), _table(found, _plain_cell)
     turns = [

@@ -5,6 +5,7 @@ Columns that begin with cost_ are times and memory; all others are the same when
 
 import json
 import pathlib
+from typing import Any
 
 import pyarrow
 import pyarrow.parquet
@@ -17,11 +18,11 @@ POINT = "point_"  # where in the scene space a draw lies
 RUNS_FILE, FRAMES_FILE = "runs.parquet", "frames.parquet"
 
 
-def _names(entry: dict) -> dict:
+def _names(entry: dict[str, Any]) -> dict[str, Any]:
     return {key: entry[key] for key in ("scene", "transform", "setting")}
 
 
-def _against_limit(row: dict, limit: dict) -> dict:
+def _against_limit(row: dict[str, Any], limit: dict[str, Any]) -> dict[str, Any]:
     """How late the first pose is; nothing where the images never decide. A run without a pose is as late as can be."""
     frame = limit["frame"]
     columns = {"decidable": frame is not None, "limit_frame": frame, "limit_turn_deg": limit["turn_deg"]}
@@ -31,8 +32,8 @@ def _against_limit(row: dict, limit: dict) -> dict:
     return columns | {"first_pose_after_limit_frames": late, "acquired_of_decidable": row["acquired"]}
 
 
-def _row(entry: dict, point: dict, store: Store) -> dict:
-    row = _names(entry) | json.loads((store.result(entry["result"]) / "run.json").read_text())
+def _row(entry: dict[str, Any], point: dict[str, Any], store: Store) -> dict[str, Any]:
+    row: dict[str, Any] = _names(entry) | json.loads((store.result(entry["result"]) / "run.json").read_text())
     row |= {f"{POINT}{name}": value for name, value in point.items()}
     time = store.time(entry["time"]) if entry["time"] else None
     if time is not None and is_whole(time):
@@ -48,7 +49,7 @@ def _row(entry: dict, point: dict, store: Store) -> dict:
     }
 
 
-def rows_so_far(out: pathlib.Path) -> tuple[dict, list[dict]]:
+def rows_so_far(out: pathlib.Path) -> tuple[dict[str, Any], list[dict[str, Any]]]:
     """(book, rows of the runs that are judged, in the book's order)."""
     book = read_book(out)
     store = Store(out, pathlib.Path(book["cache"]))
@@ -57,7 +58,7 @@ def rows_so_far(out: pathlib.Path) -> tuple[dict, list[dict]]:
     return book, [_row(entry, points.get(entry["scene"], {}), store) for entry in done]
 
 
-def write_tables(out: pathlib.Path, folder: pathlib.Path, rows: list[dict]) -> None:
+def write_tables(out: pathlib.Path, folder: pathlib.Path, rows: list[dict[str, Any]]) -> None:
     """runs.parquet and frames.parquet into the folder."""
     folder.mkdir(parents=True, exist_ok=True)
     if not rows:

@@ -4,7 +4,9 @@ A draw is a point of a scrambled Sobol sequence, one coordinate for each dimensi
 more draws of the same seed begin with the same ones. Every draw becomes a scene table that renders alone.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -105,7 +107,7 @@ class Picture:
     samples: int = 16
 
 
-def narrowed(where: str, given: dict) -> dict:
+def narrowed(where: str, given: dict[str, Any]) -> dict[str, Any]:
     """SPACE with the plan's own ranges and weights; BadInput names the key and what is allowed."""
     space = dict(SPACE)
     for name, value in given.items():
@@ -115,11 +117,11 @@ def narrowed(where: str, given: dict) -> dict:
     return space
 
 
-def _number(value) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and np.isfinite(value)
+def _number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and bool(np.isfinite(value))
 
 
-def _dimension(where: str, default, value):
+def _dimension(where: str, default: Any, value: Any) -> Any:
     if isinstance(default, Choice):
         names = [*default.weights, "box"] if "cubesat" in default.weights else list(default.weights)
         if isinstance(value, str):
@@ -142,7 +144,7 @@ def _dimension(where: str, default, value):
     return replace(default, least=float(value[0]), most=float(value[1]))
 
 
-def points(space: dict, draws: int, seed: int) -> list[dict]:
+def points(space: dict[str, Any], draws: int, seed: int) -> list[dict[str, Any]]:
     """The first `draws` points as {dimension: value}."""
     power = max(0, int(np.ceil(np.log2(max(draws, 1)))))
     blocks = [qmc.Sobol(FIRST_BLOCK, scramble=True, rng=np.random.default_rng(seed)).random_base2(power)]
@@ -164,7 +166,7 @@ def _uniform_attitude(u1: float, u2: float, u3: float) -> list[float]:
     return _listed((np.sqrt(u1) * np.cos(b), np.sqrt(1 - u1) * np.sin(a), np.sqrt(1 - u1) * np.cos(a), np.sqrt(u1) * np.sin(b)))
 
 
-def _inertia(p: dict) -> tuple[np.ndarray, np.ndarray]:
+def _inertia(p: dict[str, Any]) -> tuple[np.ndarray, np.ndarray]:
     """(inertia tensor [3,3], largest moment 1; its axis of largest inertia [3]): second moments first, so that it is physical."""
     second = np.array([1.0, p["inertia_least"] + p["inertia_middle"] * (1 - p["inertia_least"]), p["inertia_least"]])
     clock = np.radians(p["axes_clock_deg"])
@@ -174,17 +176,17 @@ def _inertia(p: dict) -> tuple[np.ndarray, np.ndarray]:
     return 0.5 * (tensor + tensor.T), axes[:, int(np.argmax(moments))]
 
 
-def _rate_T_deg_s(p: dict, main_axis: np.ndarray) -> np.ndarray:
+def _rate_T_deg_s(p: dict[str, Any], main_axis: np.ndarray) -> np.ndarray:
     if p["motion"] == "still":
         return np.zeros(3)
     across = np.cross(main_axis, [1.0, 0.0, 0.0])
     across /= np.linalg.norm(across)
     tilt = p["tilt_deg"] if p["motion"] == "tumble" else 0.0
     axis = Rotation.from_rotvec(np.radians(tilt) * Rotation.from_rotvec(np.radians(p["tilt_clock_deg"]) * main_axis).apply(across))
-    return p["rate_deg_s"] * axis.apply(main_axis)
+    return np.asarray(p["rate_deg_s"] * axis.apply(main_axis))
 
 
-def _places(p: dict, focal_px: float, size_m: float, radius: float, picture: Picture) -> tuple[np.ndarray, np.ndarray]:
+def _places(p: dict[str, Any], focal_px: float, size_m: float, radius: float, picture: Picture) -> tuple[np.ndarray, np.ndarray]:
     """Body's centre in C at the beginning and at the end [m]: all of it in the picture at both, hence between."""
     nearest_m = size_m / (2 * np.tan(np.radians(p["view_deg"]) / 2))
     begin_m = nearest_m / min(1.0, p["range_ratio"])
@@ -200,7 +202,7 @@ def _places(p: dict, focal_px: float, size_m: float, radius: float, picture: Pic
     return ends[0], ends[1]
 
 
-def _light(p: dict) -> dict:
+def _light(p: dict[str, Any]) -> dict[str, Any]:
     """Sun and Earth, as directions from the target in C; the camera is at -z from it."""
     sun = _direction(180.0 - p["phase_deg"], p["sun_clock_deg"])
     return {
@@ -210,19 +212,19 @@ def _light(p: dict) -> dict:
     }
 
 
-def _listed(values, digits: int = 9) -> list[float]:
+def _listed(values: Iterable[float], digits: int = 9) -> list[float]:
     """Rounded: the last digits of sines and logarithms differ between processors, and scenes must not."""
     return [round(float(x), digits) for x in values]
 
 
-def _feasible(p: dict) -> dict:
+def _feasible(p: dict[str, Any]) -> dict[str, Any]:
     """The room asks for a mock-up, near, before a camera that stands still."""
     if p["background"] != "laboratory":
         return p
     return p | {"body": "cubesat", "view_deg": max(p["view_deg"], LABORATORY_VIEW_MIN_DEG), "camera": "fixed"}
 
 
-def scene_of(p: dict, picture: Picture, name: str, seed: int) -> dict:
+def scene_of(p: dict[str, Any], picture: Picture, name: str, seed: int) -> dict[str, Any]:
     """The scene table of a point of the space, as hil/scenes/README.md has it."""
     laboratory = p["background"] == "laboratory"
     size_m = LABORATORY_SIZE_M if laboratory else BODY_SIZE_M[p["body"]]
@@ -237,7 +239,7 @@ def scene_of(p: dict, picture: Picture, name: str, seed: int) -> dict:
     across = np.sqrt(1 - p["mass_height"] ** 2)
     mass_off = p["mass_off"] * size_m * np.array([across * np.cos(clock), across * np.sin(clock), p["mass_height"]])
     width, height = picture.resolution
-    scene = {
+    scene: dict[str, Any] = {
         "name": name,
         "seed": seed,
         "target": {"kind": p["body"], "size_m": size_m, "detail_seed": int(p["detail"]), "texture_px": picture.texture_px},
@@ -270,7 +272,7 @@ def scene_of(p: dict, picture: Picture, name: str, seed: int) -> dict:
     return scene
 
 
-def _sensor(p: dict, period_s: float) -> dict:
+def _sensor(p: dict[str, Any], period_s: float) -> dict[str, Any]:
     sensor = {
         "exposure": round(p["exposure"], 4),
         "full_well_e": round(p["full_well_e"], 1),

@@ -12,13 +12,15 @@ import os
 import pathlib
 import shutil
 import uuid
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 from polhode_ground.common.venv import REPOSITORY
 from polhode_ground.common.whole_file import beside
 
 
-def digest(*parts) -> str:
+def digest(*parts: Any) -> str:
     """32 hex digits that name content: parts are text, octets, or plain data."""
     total = hashlib.sha256()
     for part in parts:
@@ -83,7 +85,7 @@ def is_whole(place: pathlib.Path) -> bool:
 
 
 @contextlib.contextmanager
-def locked(place: pathlib.Path):
+def locked(place: pathlib.Path) -> Iterator[int]:
     """Waits until nobody else makes `place`. @return the lock's file descriptor, for processes that write there."""
     locks = place.parent / ".locks"
     locks.mkdir(parents=True, exist_ok=True)
@@ -93,7 +95,7 @@ def locked(place: pathlib.Path):
 
 
 @contextlib.contextmanager
-def appearing(place: pathlib.Path):
+def appearing(place: pathlib.Path) -> Iterator[pathlib.Path]:
     """A folder to fill that becomes `place` when all went well, and vanishes when not. The lock of `place` is held."""
     for leftover in place.parent.glob(f"{place.name}.part-*"):
         shutil.rmtree(leftover)

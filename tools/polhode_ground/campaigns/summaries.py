@@ -5,6 +5,7 @@ better, so that a run that never acquires counts in every quantile.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.stats import CensoredData, binomtest, ecdf, wilcoxon
@@ -95,13 +96,13 @@ MEASURES = (
 )
 
 
-def values_of(rows: list[dict], measure: Measure) -> np.ndarray:
+def values_of(rows: list[dict[str, Any]], measure: Measure) -> np.ndarray:
     """[N] of the runs in order, in the measure's unit; NaN where a run has no value and none stands for it."""
     missing = np.nan if measure.never is None else measure.never
     return np.array([missing if row.get(measure.column) is None else measure.factor * float(row[measure.column]) for row in rows])
 
 
-def _quantile(values: np.ndarray, percent: float, axis=None):
+def _quantile(values: np.ndarray, percent: float, axis: int | None = None) -> Any:
     """A value of the sample, so that never stays never."""
     return np.percentile(values, percent, axis=axis, method="inverted_cdf")
 
@@ -129,15 +130,14 @@ CENTRES = {
 }
 
 
-def summary(rows: list[dict], measure: Measure) -> dict | None:
+def summary(rows: list[dict[str, Any]], measure: Measure) -> dict[str, Any] | None:
     """{count, of, centre, low, high, p90, worst}; None where no run has a value. Worst is by the measure's better side."""
     values = values_of(rows, measure)
     known = values[~np.isnan(values)]
     if len(known) == 0:
         return None
-    low, high = _share_interval(known, measure) if measure.how == "share" else _interval(CENTRES[measure.how](_resampled(known), axis=1))
-    if len(known) < SCENES_MIN:
-        low = high = None
+    interval = _share_interval(known, measure) if measure.how == "share" else _interval(CENTRES[measure.how](_resampled(known), axis=1))
+    low, high = interval if len(known) >= SCENES_MIN else (None, None)
     bad_side = (10, 0) if measure.better > 0 else (90, 100)
     return {
         "count": len(known),
@@ -150,7 +150,7 @@ def summary(rows: list[dict], measure: Measure) -> dict | None:
     }
 
 
-def first_pose_curve(rows: list[dict]) -> tuple[np.ndarray, np.ndarray]:
+def first_pose_curve(rows: list[dict[str, Any]]) -> tuple[np.ndarray, np.ndarray]:
     """(turns [deg], share of the targets that have had a pose by then), Kaplan-Meier: a sequence that ends without a pose
     is censored at its own total turn."""
     acquired = [bool(row["acquired"]) for row in rows]
@@ -163,7 +163,7 @@ def first_pose_curve(rows: list[dict]) -> tuple[np.ndarray, np.ndarray]:
     return np.concatenate([[0.0], curve.quantiles]), np.concatenate([[0.0], curve.probabilities])
 
 
-def share_by_turn(rows: list[dict], turn_deg: float) -> float | None:
+def share_by_turn(rows: list[dict[str, Any]], turn_deg: float) -> float | None:
     """The curve's value at a turn; None beyond the last sequence's turn."""
     if turn_deg > max(row["turn_total_deg"] for row in rows):
         return None
@@ -171,17 +171,17 @@ def share_by_turn(rows: list[dict], turn_deg: float) -> float | None:
     return float(share[np.searchsorted(turns, turn_deg, side="right") - 1])
 
 
-def pairs(base: list[dict], new: list[dict]) -> list[tuple[dict, dict]]:
+def pairs(base: list[dict[str, Any]], new: list[dict[str, Any]]) -> list[tuple[dict[str, Any], dict[str, Any]]]:
     """Runs of the very same sequence in a setting of the same name in both."""
 
-    def place(row):
+    def place(row: dict[str, Any]) -> tuple[str, str]:
         return row["sequence_key"], row["setting"]
 
     at = {place(row): row for row in base}
     return [(at[place(row)], row) for row in new if place(row) in at]
 
 
-def paired(base: list[dict], new: list[dict], measure: Measure) -> dict | None:
+def paired(base: list[dict[str, Any]], new: list[dict[str, Any]], measure: Measure) -> dict[str, Any] | None:
     """New less base over the runs in which both have a value: mean difference with its interval, how many are better and
     worse, Wilcoxon's signed-rank probability. A run that has a pose in one only is better or worse, and in no mean."""
     a, b = values_of(base, measure), values_of(new, measure)
@@ -194,7 +194,7 @@ def paired(base: list[dict], new: list[dict], measure: Measure) -> dict | None:
     difference = b[both] - a[both]
     gain = np.where(a == b, 0, np.where(b > a, 1, -1)) * measure.better
     judged = measure.better != 0  # where neither more nor less is better nobody can say
-    result = {
+    result: dict[str, Any] = {
         "pairs": int(both.sum()),
         "better": int((gain > 0).sum()) if judged else None,
         "worse": int((gain < 0).sum()) if judged else None,
@@ -214,7 +214,7 @@ def paired(base: list[dict], new: list[dict], measure: Measure) -> dict | None:
     return result
 
 
-def badness(row: dict) -> tuple:
+def badness(row: dict[str, Any]) -> tuple[Any, ...]:
     """Sorts runs from worst to best: confidently wrong, reversed, never acquired, silent, off."""
     return (
         -row["causal_frames_wrong_confident"] - row["smoothed_frames_wrong_confident"],

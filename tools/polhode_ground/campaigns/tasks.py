@@ -15,6 +15,7 @@ import subprocess
 import time
 import traceback
 from dataclasses import dataclass, field
+from typing import Any
 
 from polhode_ground.campaigns import store
 from polhode_ground.common.errors import BadInput
@@ -35,7 +36,7 @@ class Task:
     name: str
     place: pathlib.Path
     log: pathlib.Path
-    options: dict = field(default_factory=dict)
+    options: dict[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -52,7 +53,7 @@ class Failed(Exception):
     """A task's result can't be made; the text is one line."""
 
 
-def run_program(words: list, log: pathlib.Path, timeout_s: float, lock: int) -> None:
+def run_program(words: list[Any], log: pathlib.Path, timeout_s: float, lock: int) -> None:
     """Runs a program to its end, what it says goes to the log; Failed with its last line where it fails."""
     log.parent.mkdir(parents=True, exist_ok=True)
     with open(log, "w") as stream:
@@ -105,7 +106,7 @@ def _transform(task: Task, lock: int) -> None:
         (part / "made").rmdir()
 
 
-def _replay_words(task: Task, out: pathlib.Path) -> list:
+def _replay_words(task: Task, out: pathlib.Path) -> list[Any]:
     words = [
         task.options["program"],
         "replay",

@@ -50,9 +50,10 @@ def luminance(pixels: np.ndarray, order: str = "RGB") -> np.ndarray:
         return pixels if pixels.ndim == 2 else np.ascontiguousarray(pixels[:, :, 0])
     colours = [pixels[:, :, order.index(name)] for name in "RGB"]
     if pixels.dtype.kind == "f":
-        return sum(weight / 65536 * colour for weight, colour in zip(WEIGHTS_RGB, colours)).astype(pixels.dtype)
-    total = sum(weight * colour.astype(np.int64) for weight, colour in zip(WEIGHTS_RGB, colours))
-    return ((total + 32768) >> 16).astype(pixels.dtype)
+        parts = [weight / 65536 * colour for weight, colour in zip(WEIGHTS_RGB, colours)]
+        return (parts[0] + parts[1] + parts[2]).astype(pixels.dtype)
+    whole = [weight * colour.astype(np.int64) for weight, colour in zip(WEIGHTS_RGB, colours)]
+    return ((whole[0] + whole[1] + whole[2] + 32768) >> 16).astype(pixels.dtype)
 
 
 def read_levels(path: pathlib.Path) -> tuple[np.ndarray, int]:
@@ -105,7 +106,7 @@ def eight_bits(levels: np.ndarray, depth_bits: int) -> np.ndarray:
     """uint8 of levels that use so many bits; what is brighter is cut."""
     if levels.dtype == np.uint8:
         return levels
-    return np.minimum(levels >> (depth_bits - 8), 255).astype(np.uint8)
+    return np.asarray(np.minimum(levels >> (depth_bits - 8), 255), np.uint8)
 
 
 def viewable(octets: bytes) -> str | None:

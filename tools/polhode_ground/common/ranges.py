@@ -1,9 +1,13 @@
 """Numbers on the command line that are held to a range: types for argparse, which names the argument and refuses with status 2."""
 
 import argparse
+from collections.abc import Callable
+from typing import TypeVar
+
+Number = TypeVar("Number", int, float)
 
 
-def _held(text: str, kind: type, name: str, least, most):
+def _held(text: str, kind: type[Number], name: str, least: Number, most: Number | None) -> Number:
     allowed = f"at least {least}" if most is None else f"{least} .. {most}"
     try:
         value = kind(text)
@@ -14,11 +18,11 @@ def _held(text: str, kind: type, name: str, least, most):
     return value
 
 
-def whole(least: int, most: int | None = None):
+def whole(least: int, most: int | None = None) -> Callable[[str], int]:
     """Whole numbers in least .. most."""
     return lambda text: _held(text, int, "whole number", least, most)
 
 
-def number(least: float, most: float | None = None):
+def number(least: float, most: float | None = None) -> Callable[[str], float]:
     """Numbers in least .. most."""
     return lambda text: _held(text, float, "number", least, most)

@@ -3,6 +3,7 @@
 import os
 import pathlib
 import subprocess
+from collections.abc import Iterable
 
 from polhode_ground.common.errors import BadInput
 from polhode_ground.common.venv import REPOSITORY
@@ -21,7 +22,9 @@ def cache_folder(*parts: str) -> pathlib.Path:
     return root.joinpath(*parts)
 
 
-def replay(sequence: pathlib.Path, out: pathlib.Path, settings=(), config: pathlib.Path = CONFIG, program: pathlib.Path = PROGRAM) -> None:
+def replay(
+    sequence: pathlib.Path, out: pathlib.Path, settings: Iterable[str] = (), config: pathlib.Path = CONFIG, program: pathlib.Path = PROGRAM
+) -> None:
     """polhode replay with settings "key=value"; BadInput with the program's last line where it fails."""
     words = [word for setting in settings for word in ("--set", setting)]
     if not os.access(program, os.X_OK):

@@ -4,6 +4,7 @@ import json
 import pathlib
 import subprocess
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -65,7 +66,7 @@ class Sequence:
     def frame_path(self, index: int) -> pathlib.Path:
         return self.folder / "mav0" / "cam0" / "data" / self.filenames[index]
 
-    def see_as(self, summary: dict) -> None:
+    def see_as(self, summary: dict[str, Any]) -> None:
         """As the replay did that wrote this summary.json."""
         self.depth_bits, self.mosaic = summary.get("depth_bits"), bool(summary.get("mosaic"))
 
@@ -78,15 +79,16 @@ class Sequence:
         return without_mosaic(gray) if self.mosaic else gray
 
 
-def read_tables(folder: pathlib.Path, any_lens: bool) -> dict:
+def read_tables(folder: pathlib.Path, any_lens: bool) -> dict[str, Any]:
     """data.csv and sensor.yaml as the program reads them: what replays is what is judged and shown."""
     check_program()
-    words = [*RUNNER, PROGRAM, "sequence", *(["--any-lens"] if any_lens else []), "--", folder]
+    words: list[str | pathlib.Path] = [*RUNNER, PROGRAM, "sequence", *(["--any-lens"] if any_lens else []), "--", folder]
     done = subprocess.run(words, capture_output=True)
     if done.returncode != 0:
         said = done.stderr.decode(errors="backslashreplace").strip().splitlines()[-1:]
         raise BadInput(" ".join(said).removeprefix("polhode: ") or f"{folder}: {PROGRAM} ended with {done.returncode}")
-    return json.loads(done.stdout)
+    tables: dict[str, Any] = json.loads(done.stdout)
+    return tables
 
 
 def read_sequence(folder: pathlib.Path, any_lens: bool = False) -> Sequence:
@@ -98,8 +100,10 @@ def read_sequence(folder: pathlib.Path, any_lens: bool = False) -> Sequence:
     if not folder.is_dir():
         raise BadInput(f"{folder}: no such sequence folder")
     tables = read_tables(folder, any_lens)
+    width_px, height_px = tables["resolution"]
     camera = Camera(
-        *tables["resolution"],
+        width_px,
+        height_px,
         np.array(tables["intrinsics"], dtype=float),
         np.array(tables["distortion_coefficients"], dtype=float),
         tables["line_time_ns"],
@@ -116,7 +120,7 @@ def read_sequence(folder: pathlib.Path, any_lens: bool = False) -> Sequence:
     )
 
 
-def read_json(path: pathlib.Path) -> dict:
+def read_json(path: pathlib.Path) -> dict[str, Any]:
     """A JSON object from a file; {} where the file does not exist."""
     try:
         value = json.loads(pathlib.Path(path).read_text())

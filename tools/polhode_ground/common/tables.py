@@ -2,6 +2,7 @@
 
 import csv
 import pathlib
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -47,7 +48,7 @@ class Motion:
     @property
     def seconds(self) -> np.ndarray:
         """[N] time since the first row [s]."""
-        return (self.timestamp_ns - self.timestamp_ns[0]) * 1e-9
+        return np.asarray((self.timestamp_ns - self.timestamp_ns[0]) * 1e-9)
 
 
 def read_cells(path: pathlib.Path) -> tuple[list[str], list[list[str]]]:
@@ -67,7 +68,7 @@ def read_cells(path: pathlib.Path) -> tuple[list[str], list[list[str]]]:
     return header, [row for _, row in body]
 
 
-def numbers(path: pathlib.Path, name: str, cells: list[str]) -> np.ndarray:
+def numbers(path: pathlib.Path, name: str, cells: Sequence[str]) -> np.ndarray:
     """Cells as float64 [N]; empty or 'nan' is NaN."""
     try:
         return np.array([float(cell) if cell else np.nan for cell in cells], dtype=float)
@@ -80,7 +81,7 @@ def numbers(path: pathlib.Path, name: str, cells: list[str]) -> np.ndarray:
         raise
 
 
-def timestamps(path: pathlib.Path, cells: list[str]) -> np.ndarray:
+def timestamps(path: pathlib.Path, cells: Sequence[str]) -> np.ndarray:
     """Cells as int64 [N] nanoseconds, strictly rising: float64 would lose digits of times since 1970."""
     try:
         timestamp_ns = np.array([int(cell) for cell in cells], dtype=np.int64)
@@ -97,7 +98,7 @@ def _unit_quaternions(path: pathlib.Path, q_CT: np.ndarray) -> np.ndarray:
     wrong = np.abs(norm - 1.0) > QUATERNION_NORM_ERROR_MAX
     if np.any(wrong):
         raise BadInput(f"{path}:{int(np.argmax(wrong)) + 2}: q_CT has norm {norm[np.argmax(wrong)]:.4g}, not 1")
-    return q_CT / norm[:, None]
+    return np.asarray(q_CT / norm[:, None])
 
 
 def read_motion(path: pathlib.Path) -> Motion:
@@ -117,13 +118,13 @@ def read_motion(path: pathlib.Path) -> Motion:
     }
     unknown = np.full(len(rows), np.nan)
 
-    def block(names):
+    def block(names: Sequence[str]) -> np.ndarray:
         return np.stack([known.get(name, unknown) for name in names], axis=1)
 
     q_CT, p_CT, v_C, w_T = (block(names) for names in (QUATERNION, POSITION, VELOCITY, RATE))
 
-    def valid(flag, *values):
-        filled = np.all([np.isfinite(value).all(axis=1) for value in values], axis=0)
+    def valid(flag: str, *values: np.ndarray) -> np.ndarray:
+        filled: np.ndarray = np.all([np.isfinite(value).all(axis=1) for value in values], axis=0)
         return filled & (known[flag] > 0) if flag in known else filled
 
     # A predicted pose counts as silence.

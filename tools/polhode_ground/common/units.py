@@ -2,6 +2,7 @@
 
 import statistics
 from collections.abc import Sequence
+from typing import Any
 
 NS = 1_000_000_000
 UNITS = {"s": NS, "ms": 1_000_000, "us": 1_000, "ns": 1}
@@ -12,7 +13,7 @@ USUAL_NS = (1_000_000, 5 * NS)
 SINCE_1970_NS = (946_684_800 * NS, 3_000_000_000 * NS)  # the years 2000 to 2065
 
 
-def median_step(values: Sequence) -> float:
+def median_step(values: Sequence[Any]) -> float:
     """0 where none rises."""
     return float(statistics.median([b - a for a, b in zip(values, values[1:]) if b > a] or [0]))
 
@@ -21,7 +22,7 @@ def is_impossible(step_ns: float) -> bool:
     return bool(step_ns) and not IMPOSSIBLE_NS[0] <= step_ns <= IMPOSSIBLE_NS[1]
 
 
-def likely_units(values: Sequence, stated: str) -> list[str]:
+def likely_units(values: Sequence[Any], stated: str) -> list[str]:
     """[stated] where nothing speaks against it; else the units that are likely in its place, none where nothing fits."""
     step = median_step(values)
     if not is_impossible(step * UNITS[stated]) and DOUBTFUL_NS[0] <= step * UNITS[stated] <= DOUBTFUL_NS[1] or len(values) < 3 or not step:
@@ -36,7 +37,7 @@ def likely_units(values: Sequence, stated: str) -> list[str]:
     return [unit for unit, scale in UNITS.items() if USUAL_NS[0] <= step * scale <= USUAL_NS[1]]
 
 
-def doubt(values: Sequence, unit: str) -> str:
+def doubt(values: Sequence[Any], unit: str) -> str:
     """What is to be said of stamps in this unit that are as few cameras give them; else empty."""
     step_ns = median_step(values) * UNITS[unit]
     if len(values) < 3 or not step_ns or DOUBTFUL_NS[0] <= step_ns <= DOUBTFUL_NS[1]:

@@ -4,6 +4,7 @@ import errno
 import os
 import pathlib
 import sys
+from collections.abc import Callable
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[3]
 # All problems here are small: threads of the linear algebra gain nothing and, on a busy machine, spin against each other.
@@ -37,7 +38,7 @@ def enter_venv(name: str = ".venv") -> None:
         os.execve(python, [str(python), *ISOLATED, *sys.argv], own_environment())
 
 
-def run_main(main, program: str) -> None:
+def run_main(main: Callable[[], int | None], program: str) -> None:
     """Calls main(); bad input, and a file or folder that is refused, become one line on stderr and exit status 2, a full disk one line and 1, a closed
     pipe a quiet end."""
     environment = own_environment()

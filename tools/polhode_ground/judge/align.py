@@ -35,7 +35,7 @@ def rotations(q_CT: np.ndarray) -> Rotation:
 
 def angles_rad(left: Rotation, right: Rotation) -> np.ndarray:
     """Geodesic distance of two sets of rotations [N], in [0, pi]."""
-    return (left.inv() * right).magnitude()
+    return np.asarray((left.inv() * right).magnitude())
 
 
 def axis_angle_deg(a: np.ndarray, b: np.ndarray) -> float:
@@ -43,7 +43,7 @@ def axis_angle_deg(a: np.ndarray, b: np.ndarray) -> float:
     return float(np.degrees(np.arctan2(np.linalg.norm(np.cross(a, b)), abs(a @ b))))
 
 
-def _geodesic_mean(samples: Rotation, start: Rotation, weights=None, steps: int = 50) -> Rotation:
+def _geodesic_mean(samples: Rotation, start: Rotation, weights: str | None = None, steps: int = 50) -> Rotation:
     """Karcher mean (weights None) or geodesic L1 median (weights 'median', Weiszfeld's algorithm)."""
     mean = start
     for _ in range(steps):
@@ -130,4 +130,4 @@ def camera_path_errors(R_CE: Rotation, p_CE: np.ndarray, R_CT: Rotation, p_CT: n
         turn = u @ np.diag([1, 1, np.linalg.det(u @ vt)]) @ vt
     turned = centred_E @ turn.T
     scale = (turned * centred_T).sum() / max((turned * turned).sum(), 1e-30)
-    return np.linalg.norm(scale * turned - centred_T, axis=1)
+    return np.asarray(np.linalg.norm(scale * turned - centred_T, axis=1))

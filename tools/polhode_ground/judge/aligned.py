@@ -57,10 +57,12 @@ class Aligned:
 
     @property
     def range_m(self) -> np.ndarray:
-        return np.linalg.norm(self.truth.p_CT[self.rows_T], axis=1)
+        return np.asarray(np.linalg.norm(self.truth.p_CT[self.rows_T], axis=1))
 
 
-def _align_lengths(estimate: Motion, truth: Motion, rows_E, rows_T, one_unit, fit_scale: bool = True) -> align.Similarity:
+def _align_lengths(
+    estimate: Motion, truth: Motion, rows_E: np.ndarray, rows_T: np.ndarray, one_unit: np.ndarray, fit_scale: bool = True
+) -> align.Similarity:
     kept_E, kept_T = rows_E[one_unit], rows_T[one_unit]
     return align.align_positions(align.rotations(estimate.q_CT[kept_E]), estimate.p_CT[kept_E], truth.p_CT[kept_T], fit_scale)
 

@@ -6,8 +6,10 @@ whole run is not counted a second time here.
 
 import json
 import pathlib
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.optimize import least_squares
 from scipy.spatial import ConvexHull, QhullError
 
@@ -47,14 +49,14 @@ FACE_SAMPLES = 100_000
 class Truth:
     """The mesh as samples in its body frame, and the way of the estimate's vectors there."""
 
-    def __init__(self, model_path: pathlib.Path, aligned: Aligned, scene: dict):
+    def __init__(self, model_path: pathlib.Path, aligned: Aligned, scene: dict[str, Any]):
         self.points_T, self.normals_T, self.size_m = sample_mesh(model_path)
         self.aligned, self.scene = aligned, scene
 
-    def point(self, point_E) -> np.ndarray:
-        return cloud_in_truth(np.asarray(point_E, dtype=float)[None, :], self.aligned)[0]
+    def point(self, point_E: ArrayLike) -> np.ndarray:
+        return np.asarray(cloud_in_truth(np.asarray(point_E, dtype=float)[None, :], self.aligned)[0])
 
-    def direction(self, direction_E) -> np.ndarray:
+    def direction(self, direction_E: ArrayLike) -> np.ndarray:
         return self.aligned.R_ET.inv().apply(np.asarray(direction_E, dtype=float))
 
     def length_m(self, length: float) -> float:
@@ -66,10 +68,10 @@ class Truth:
         scene = self.scene.get("scene", {})
         if scene.get("target", {}).get("kind") == "damaged_cube":
             return -np.asarray(scene["motion"]["centre_of_mass_G_m"], dtype=float)
-        return 0.5 * (self.points_T.min(axis=0) + self.points_T.max(axis=0))
+        return np.asarray(0.5 * (self.points_T.min(axis=0) + self.points_T.max(axis=0)))
 
 
-def judge_plane(plane: dict, truth: Truth) -> dict:
+def judge_plane(plane: dict[str, Any], truth: Truth) -> dict[str, Any]:
     """Angle and distance of one side from the mesh's own surface there; made_up where the mesh has none."""
     normal = truth.direction(plane["normal_T"])
     centre = truth.point(plane["centre_T"])
@@ -96,10 +98,12 @@ def judge_plane(plane: dict, truth: Truth) -> dict:
     }
 
 
-def _true_cylinder(points_T, normals_T, axis, centre, radius, length):
+def _true_cylinder(
+    points_T: np.ndarray, normals_T: np.ndarray, axis: np.ndarray, centre: np.ndarray, radius: float, length: float
+) -> tuple[np.ndarray, float] | None:
     """(axis, radius) of the mesh's round part around a guess; None where it has none."""
 
-    def parts(axis, centre, points):
+    def parts(axis: np.ndarray, centre: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         apart = points - centre
         height = apart @ axis
         return apart - height[:, None] * axis, height
@@ -114,20 +118,20 @@ def _true_cylinder(points_T, normals_T, axis, centre, radius, length):
     e1 = np.linalg.svd(axis[None, :])[2][1]
     e2 = np.cross(axis, e1)
 
-    def unpack(x):
+    def unpack(x: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
         turned = axis + x[0] * e1 + x[1] * e2
         return turned / np.linalg.norm(turned), centre + x[2] * e1 + x[3] * e2, x[4]
 
-    def residual(x):
+    def residual(x: np.ndarray) -> np.ndarray:
         turned, moved, r = unpack(x)
-        return np.linalg.norm(parts(turned, moved, points)[0], axis=1) - r
+        return np.asarray(np.linalg.norm(parts(turned, moved, points)[0], axis=1) - r)
 
     fit = least_squares(residual, [0, 0, 0, 0, radius], loss="soft_l1", f_scale=0.01 * radius)
     turned, _, true_radius = unpack(fit.x)
     return turned, float(true_radius)
 
 
-def judge_cylinder(cylinder: dict, truth: Truth) -> dict:
+def judge_cylinder(cylinder: dict[str, Any], truth: Truth) -> dict[str, Any]:
     axis, centre = truth.direction(cylinder["axis_T"]), truth.point(cylinder["centre_T"])
     radius_m = truth.length_m(cylinder["radius"])
     found = _true_cylinder(truth.points_T, truth.normals_T, axis, centre, radius_m, truth.length_m(cylinder["length"]))
@@ -143,7 +147,7 @@ def judge_cylinder(cylinder: dict, truth: Truth) -> dict:
     }
 
 
-def judge_centroid(shape: dict, truth: Truth) -> dict:
+def judge_centroid(shape: dict[str, Any], truth: Truth) -> dict[str, Any]:
     before, after = (float(np.linalg.norm(truth.point(shape[key]) - truth.centre_T)) for key in ("centroid_of_measured_T", "centroid_T"))
     return {
         "error_before_completion_percent": 100 * before / truth.size_m,
@@ -167,7 +171,7 @@ def _side_m(truth: Truth, outward: np.ndarray, at_m: float) -> float | None:
     return float(np.percentile(facing[begin:end], OUTERMOST_PERCENT))
 
 
-def _true_length_m(shape: dict, truth: Truth, axis: np.ndarray, found_m: float, rests_on: str | None) -> float:
+def _true_length_m(shape: dict[str, Any], truth: Truth, axis: np.ndarray, found_m: float, rests_on: str | None) -> float:
     """Between the mesh's own sides where the length claims to rest on surfaces, else the mesh's extent.
 
     What stands out of a side, an antenna or a torn edge, is no part of a length between surfaces.
@@ -180,7 +184,7 @@ def _true_length_m(shape: dict, truth: Truth, axis: np.ndarray, found_m: float, 
     return float(np.ptp(truth.points_T @ axis))
 
 
-def judge_dimensions(shape: dict, truth: Truth) -> list[dict]:
+def judge_dimensions(shape: dict[str, Any], truth: Truth) -> list[dict[str, Any]]:
     """Lengths along the found axes. One that does not rest on surfaces says "at least": it is off only where it is too long."""
     result = []
     for k, name in enumerate("xyz"):
@@ -202,7 +206,7 @@ def judge_dimensions(shape: dict, truth: Truth) -> list[dict]:
     return result
 
 
-def judge_surface(path: pathlib.Path, truth: Truth) -> dict | None:
+def judge_surface(path: pathlib.Path, truth: Truth) -> dict[str, Any] | None:
     """The coarse surface against the convex hull of the mesh; None where it holds no volume."""
     import trimesh
 
@@ -215,7 +219,7 @@ def judge_surface(path: pathlib.Path, truth: Truth) -> dict | None:
     except QhullError:
         return None
 
-    def samples(hull):
+    def samples(hull: ConvexHull) -> np.ndarray:
         mesh = trimesh.Trimesh(hull.points, hull.simplices, process=False)
         return np.asarray(trimesh.sample.sample_surface(mesh, HULL_SAMPLES, seed=1)[0])
 
@@ -229,7 +233,7 @@ def judge_surface(path: pathlib.Path, truth: Truth) -> dict | None:
     }
 
 
-def judge_faces(path: pathlib.Path, truth: Truth) -> dict | None:
+def judge_faces(path: pathlib.Path, truth: Truth) -> dict[str, Any] | None:
     """A surface's measured faces against the mesh, and how near what was seen of the mesh is to any face; None where it has no faces."""
     import trimesh
 
@@ -240,10 +244,10 @@ def judge_faces(path: pathlib.Path, truth: Truth) -> dict | None:
     measured = np.ones(len(found.faces), bool) if added is None else ~(added[found.faces] > 0).any(axis=1)
     vertices_T = cloud_in_truth(np.asarray(found.vertices, dtype=float), truth.aligned)
 
-    def samples(faces):
+    def samples(faces: np.ndarray) -> np.ndarray:
         return np.asarray(trimesh.sample.sample_surface(trimesh.Trimesh(vertices_T, faces, process=False), FACE_SAMPLES, seed=1)[0])
 
-    result = {"faces": len(found.faces), "measured_rmse_percent": None, "seen_rmse_percent": None}
+    result: dict[str, Any] = {"faces": len(found.faces), "measured_rmse_percent": None, "seen_rmse_percent": None}
     if measured.any():
         result["measured_rmse_percent"] = (
             100 * float(np.sqrt(np.mean(nearest_m(samples(found.faces[measured]), truth.points_T) ** 2))) / truth.size_m
@@ -256,7 +260,7 @@ def judge_faces(path: pathlib.Path, truth: Truth) -> dict | None:
     return result
 
 
-def judge_body(folder: pathlib.Path, model_path: pathlib.Path, scene: dict, aligned: Aligned) -> dict | None:
+def judge_body(folder: pathlib.Path, model_path: pathlib.Path, scene: dict[str, Any], aligned: Aligned) -> dict[str, Any] | None:
     """All of the above; None where there is no shape.json or no mesh."""
     path = folder / "shape.json"
     if not path.exists() or not model_path.exists():

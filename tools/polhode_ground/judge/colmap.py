@@ -7,6 +7,7 @@ import pathlib
 import shutil
 import subprocess
 import sys
+from typing import Any
 
 from polhode_ground.common.errors import BadInput
 from polhode_ground.common.levels import read_octets, viewable
@@ -59,7 +60,7 @@ def prepare_images(sequence: Sequence, folder: pathlib.Path) -> list[str]:
     return names
 
 
-def run_colmap(sequence: Sequence, out: pathlib.Path) -> dict:
+def run_colmap(sequence: Sequence, out: pathlib.Path) -> dict[str, Any]:
     """Runs COLMAP at low priority; its result as the worker wrote it. The log is out/colmap.log."""
     python = ensure_venv()
     names = prepare_images(sequence, out / "images")
@@ -84,7 +85,7 @@ def run_colmap(sequence: Sequence, out: pathlib.Path) -> dict:
     return read_json(out / "colmap.json")
 
 
-def _write_motion(path: pathlib.Path, names: list[str], sequence: Sequence, poses: dict) -> None:
+def _write_motion(path: pathlib.Path, names: list[str], sequence: Sequence, poses: dict[str, Any]) -> None:
     """One model's poses in the columns of motion.csv; frames that it lacks have no pose."""
     header = ["frame", "timestamp_ns", "mode", "pose_valid", "rate_valid", "velocity_valid", "scale_known", *QUATERNION, *POSITION]
     with open(path, "w", newline="") as stream:
@@ -96,7 +97,7 @@ def _write_motion(path: pathlib.Path, names: list[str], sequence: Sequence, pose
             writer.writerow([index, timestamp_ns, "TRACKING" if pose else "LOST", int(bool(pose)), 0, 0, 0, *values])
 
 
-def write_output(sequence: Sequence, result: dict, out: pathlib.Path) -> None:
+def write_output(sequence: Sequence, result: dict[str, Any], out: pathlib.Path) -> None:
     """COLMAP's answer in the files that the judge reads: motion_smoothed.csv (it sees all frames), cloud, summary.
 
     Where COLMAP fell apart into several models the largest is its answer; the others go to model_N/.
@@ -145,7 +146,7 @@ def colmap_output(sequence: Sequence, out: pathlib.Path, again: bool = False) ->
     return out
 
 
-def attitude_on_shared_frames(run: Run, peer: Run, truth: Motion) -> dict[str, dict]:
+def attitude_on_shared_frames(run: Run, peer: Run, truth: Motion) -> dict[str, dict[str, Any]]:
     """Attitude errors of each motion file of a run, over the frames that the peer has a pose of, aligned over these alone."""
     result = {}
     for kind, motion in run.motions.items():

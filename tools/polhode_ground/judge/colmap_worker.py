@@ -11,6 +11,7 @@ import resource
 import shutil
 import sys
 import time
+from typing import Any
 
 import pycolmap
 
@@ -21,7 +22,7 @@ def cpu_s() -> float:
     return sum(one.ru_utime + one.ru_stime for one in used)
 
 
-def extract_and_match(job: dict, database: pathlib.Path) -> None:
+def extract_and_match(job: dict[str, Any], database: pathlib.Path) -> None:
     """Default SIFT features and matches; one OPENCV camera for all pictures."""
     reader = pycolmap.ImageReaderOptions()
     reader.camera_model = "OPENCV"
@@ -38,7 +39,7 @@ def extract_and_match(job: dict, database: pathlib.Path) -> None:
     match(database, device=pycolmap.Device.cpu)
 
 
-def reconstruct(job: dict, database: pathlib.Path, models: pathlib.Path) -> dict:
+def reconstruct(job: dict[str, Any], database: pathlib.Path, models: pathlib.Path) -> dict[int, Any]:
     """Incremental mapping with the intrinsics held; a fixed seed."""
     options = pycolmap.IncrementalPipelineOptions()
     options.ba_refine_focal_length = False
@@ -47,10 +48,11 @@ def reconstruct(job: dict, database: pathlib.Path, models: pathlib.Path) -> dict
     options.mapper.abs_pose_refine_focal_length = False
     options.mapper.abs_pose_refine_extra_params = False
     options.random_seed = 1
-    return pycolmap.incremental_mapping(database, job["images"], models, options=options)
+    found: dict[int, Any] = pycolmap.incremental_mapping(database, job["images"], models, options=options)
+    return found
 
 
-def poses_of(model) -> dict:
+def poses_of(model: Any) -> dict[str, Any]:
     """q (w,x,y,z) and p of every registered picture: p_C = R * p_W + p."""
     poses = {}
     for image in model.images.values():

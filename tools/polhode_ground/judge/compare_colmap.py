@@ -12,8 +12,13 @@ Examples:
 
 import argparse
 import pathlib
+from typing import TYPE_CHECKING
 
 from polhode_ground.common.venv import enter_venv, run_main
+
+if TYPE_CHECKING:
+    from polhode_ground.common.tables import Motion
+    from polhode_ground.judge.run import Run
 
 
 def arguments() -> argparse.Namespace:
@@ -35,7 +40,7 @@ def arguments() -> argparse.Namespace:
     return parser.parse_args()
 
 
-def print_shared_frames(run, peer, truth) -> None:
+def print_shared_frames(run: "Run", peer: "Run", truth: "Motion") -> None:
     """One line for each motion file: its attitude error over COLMAP's frames alone, so that nobody gains by leaving some out."""
     from polhode_ground.judge.colmap import attitude_on_shared_frames
 
@@ -44,7 +49,7 @@ def print_shared_frames(run, peer, truth) -> None:
         print(f"{name}: attitude RMSE {found['rmse_deg']:.3f} deg over {found['frames']} of COLMAP's frames")
 
 
-def print_other_models(out: pathlib.Path, truth) -> None:
+def print_other_models(out: pathlib.Path, truth: "Motion") -> None:
     """One line for each smaller model: how it lies to the truth and its twin."""
     from polhode_ground.judge.aligned import align_last
     from polhode_ground.judge.run import read_run

@@ -3,6 +3,9 @@
 Only what the run calls observed or weak is judged; a quantity that it calls unobserved has no value to be wrong.
 """
 
+import pathlib
+from typing import Any
+
 import numpy as np
 
 from polhode_ground.common.sequence import read_json
@@ -14,20 +17,21 @@ RATIOS = ("middle_over_least", "largest_over_least")
 APART_MIN = 0.01
 
 
-def _known(entry: dict) -> bool:
+def _known(entry: dict[str, Any]) -> bool:
     return entry.get("value") is not None and entry["observability"] != "unobserved"
 
 
-def _inertia(scene: dict) -> tuple[np.ndarray, np.ndarray] | None:
+def _inertia(scene: dict[str, Any]) -> tuple[np.ndarray, np.ndarray] | None:
     """(moments [3] in rising order, their axes as columns [3,3] in the truth's T); None where the scene tells none."""
     stated = scene.get("scene", {}).get("motion", {}).get("inertia_kg_m2")
     if stated is None:
         return None
     inertia = np.asarray(stated, dtype=float)
-    return np.linalg.eigh(np.diag(inertia) if inertia.ndim == 1 else inertia)
+    moments, axes = np.linalg.eigh(np.diag(inertia) if inertia.ndim == 1 else inertia)
+    return moments, axes
 
 
-def judge_ratio(entry: dict, true: float) -> dict:
+def judge_ratio(entry: dict[str, Any], true: float) -> dict[str, Any]:
     result = {"observability": entry["observability"], "true": true, "error_percent": None, "sigmas_off": None}
     if _known(entry):
         error = entry["value"] - true
@@ -35,7 +39,9 @@ def judge_ratio(entry: dict, true: float) -> dict:
     return result
 
 
-def judge_axes(axes: list[dict], in_order: bool, inertia, aligned: Aligned) -> list[dict]:
+def judge_axes(
+    axes: list[dict[str, Any]], in_order: bool, inertia: tuple[np.ndarray, np.ndarray], aligned: Aligned
+) -> list[dict[str, Any]]:
     """Angles from the true principal axes; none where two moments are alike.
 
     @param in_order  the run knows the order of its moments, least first; else an axis may be any of the three
@@ -56,7 +62,7 @@ def judge_axes(axes: list[dict], in_order: bool, inertia, aligned: Aligned) -> l
     return result
 
 
-def judge_centre_of_mass(entries: list[dict], aligned: Aligned) -> dict:
+def judge_centre_of_mass(entries: list[dict[str, Any]], aligned: Aligned) -> dict[str, Any]:
     """Along each axis that the run names: its distance from where the trajectories' alignment has it [m]."""
     scale, true_E = float(aligned.similarity.scale), aligned.similarity.offset_E
     axes = []
@@ -77,13 +83,13 @@ def judge_centre_of_mass(entries: list[dict], aligned: Aligned) -> dict:
     }
 
 
-def judge_dynamics(model_path, scene: dict, aligned: Aligned | None) -> dict | None:
+def judge_dynamics(model_path: pathlib.Path, scene: dict[str, Any], aligned: Aligned | None) -> dict[str, Any] | None:
     """None without a fit of the dynamics."""
     model = read_json(model_path)
     if aligned is None or not model.get("inertia_ratios"):
         return None
     inertia = _inertia(scene)
-    result = {
+    result: dict[str, Any] = {
         "inertia_ratios": None,
         "principal_axes": None,
         "centre_of_mass": judge_centre_of_mass((model.get("translation") or {}).get("centre_of_mass") or [], aligned),

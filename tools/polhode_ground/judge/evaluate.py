@@ -15,8 +15,13 @@ import argparse
 import json
 import pathlib
 import sys
+from typing import TYPE_CHECKING, Any
 
 from polhode_ground.common.venv import enter_venv, run_main
+
+if TYPE_CHECKING:
+    from polhode_ground.common.tables import Motion
+    from polhode_ground.judge.run import Run
 
 
 def arguments() -> argparse.Namespace:
@@ -39,7 +44,7 @@ def arguments() -> argparse.Namespace:
     return parser.parse_args()
 
 
-def write_json(path: pathlib.Path, reports: list[dict]) -> None:
+def write_json(path: pathlib.Path, reports: list[dict[str, Any]]) -> None:
     from polhode_ground.common.errors import BadInput
     from polhode_ground.common.whole_file import MARK, write_whole
 
@@ -49,7 +54,7 @@ def write_json(path: pathlib.Path, reports: list[dict]) -> None:
         raise BadInput(f"{path}: {problem.strerror}") from None
 
 
-def write_plots(folder: pathlib.Path, runs: list, truth) -> None:
+def write_plots(folder: pathlib.Path, runs: list["Run"], truth: "Motion") -> None:
     from polhode_ground.plots import errors, motion, style
 
     style.prepare(folder)
@@ -58,7 +63,7 @@ def write_plots(folder: pathlib.Path, runs: list, truth) -> None:
             print(path)
 
 
-def write_truth(folder: pathlib.Path, truth) -> None:
+def write_truth(folder: pathlib.Path, truth: "Motion") -> None:
     """RUN/truth.tum beside the run's causal.tum and smoothed.tum; a remark where RUN may not be written to, or holds another's."""
     from polhode_ground.common.whole_file import REPLAY_MARK, write_whole
     from polhode_ground.judge.trajectory import tum_text

@@ -1,12 +1,14 @@
 """Sets what a replay published beside what was injected into its sequence."""
 
+import pathlib
 from collections import Counter
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from polhode_ground.common.fault_log import LOG_FILE, read_log
-from polhode_ground.judge.aligned import align_each
+from polhode_ground.common.sequence import Sequence
+from polhode_ground.judge.aligned import Aligned, align_each
 from polhode_ground.judge.run import read_run, read_truth
 
 # The counter that has to tell of each kind of the transform "faults".
@@ -26,8 +28,8 @@ SIGMAS = 3.0
 class Verdict:
     """What became of a faulted run."""
 
-    injected: Counter = field(default_factory=Counter)
-    counted: Counter = field(default_factory=Counter)
+    injected: Counter[str] = field(default_factory=Counter)
+    counted: Counter[str] = field(default_factory=Counter)
     good_frames: int = 0
     good_with_pose: int = 0
     wrong_poses: list[tuple[int, str, float]] = field(default_factory=list)  # time, kind, error in sigmas
@@ -50,7 +52,7 @@ class Verdict:
         )
 
 
-def judge_faulted(run_folder, sequence, after_first_pose=True) -> Verdict:
+def judge_faulted(run_folder: pathlib.Path, sequence: Sequence, after_first_pose: bool = True) -> Verdict:
     """Coverage of the good frames (from the first pose on, unless told otherwise), poses of bad frames that are wrong by
     more than three published sigmas, and the counters beside the log. @param sequence the faulted one."""
     run, truth, log = read_run(run_folder), read_truth(sequence), read_log(sequence.folder / LOG_FILE)
@@ -68,7 +70,7 @@ def judge_faulted(run_folder, sequence, after_first_pose=True) -> Verdict:
     return verdict
 
 
-def _wrong_poses(aligned, kind_at):
+def _wrong_poses(aligned: Aligned, kind_at: dict[int, str]) -> list[tuple[int, str, float]]:
     stamps = aligned.estimate.timestamp_ns[aligned.rows_E]
     sigma_rad = aligned.estimate.columns["sigma_att_rad"][aligned.rows_E]
     wrong = []

@@ -1,10 +1,14 @@
 """Where the landmarks and the outlines of a run lie, by the truth's silhouettes."""
 
 import csv
+import pathlib
 from collections import defaultdict
+from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 
+from polhode_ground.common.sequence import Sequence
 from polhode_ground.judge.shape import read_landmark_numbers
 from polhode_ground.judge.silhouette import Silhouettes, overlap
 
@@ -12,7 +16,7 @@ from polhode_ground.judge.silhouette import Silhouettes, overlap
 RIM_PX = 2
 
 
-def outline_overlaps(masks, sequence) -> list[float]:
+def outline_overlaps(masks: Iterable[Any], sequence: Sequence) -> list[float]:
     """Intersection over union of the outlines of keyframes before a background with the true silhouette."""
     sharp = [mask for mask in masks if mask.sharp]
     if not sharp:
@@ -23,7 +27,7 @@ def outline_overlaps(masks, sequence) -> list[float]:
     ]
 
 
-def on_background(run_folder, sequence) -> tuple[int, int]:
+def on_background(run_folder: pathlib.Path, sequence: Sequence) -> tuple[int, int]:
     """(landmarks that lie outside the silhouette in most of the frames that saw them, landmarks of the final map).
 
     The final map is that of cloud_raw.ply; where it does not number its landmarks, all those count that were ever seen as
@@ -31,11 +35,12 @@ def on_background(run_folder, sequence) -> tuple[int, int]:
     """
     from scipy.ndimage import binary_dilation
 
-    sightings, by_frame = defaultdict(list), defaultdict(list)
+    sightings: dict[int, list[bool]] = defaultdict(list)
+    by_frame: dict[int, list[tuple[int, float, float]]] = defaultdict(list)
     with open(run_folder / "observations.csv", newline="") as file:
-        for row in csv.DictReader(file):
-            if row["landmark"] and row["inlier"] == "1":
-                by_frame[int(row["frame"])].append((int(row["landmark"]), float(row["u_px"]), float(row["v_px"])))
+        for seen_at in csv.DictReader(file):
+            if seen_at["landmark"] and seen_at["inlier"] == "1":
+                by_frame[int(seen_at["frame"])].append((int(seen_at["landmark"]), float(seen_at["u_px"]), float(seen_at["v_px"])))
     silhouettes, camera = Silhouettes(sequence), sequence.camera
     for frame, seen in by_frame.items():
         target = binary_dilation(silhouettes.of(sequence.timestamp_ns[frame]), iterations=RIM_PX)
@@ -45,4 +50,4 @@ def on_background(run_folder, sequence) -> tuple[int, int]:
             sightings[landmark].append(not target[row, column])
     final = read_landmark_numbers(run_folder / "cloud_raw.ply")
     kept = {landmark: outside for landmark, outside in sightings.items() if (len(outside) >= 3 if final is None else landmark in final)}
-    return sum(np.mean(outside) > 0.5 for outside in kept.values()), len(kept)
+    return sum(bool(np.mean(outside) > 0.5) for outside in kept.values()), len(kept)

@@ -4,6 +4,9 @@ Every function takes the alignments of a run's target frames T (one, unless its 
 dictionary over the frames of all of them; a value that can't be computed is None, never 0.
 """
 
+from collections.abc import Iterable
+from typing import Any
+
 import numpy as np
 
 from polhode_ground.common.tables import COUNTS, Motion, join, target_frames
@@ -20,7 +23,7 @@ def rms(values: np.ndarray) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
 
 
-def coverage(estimate: Motion, frames_in: int) -> dict:
+def coverage(estimate: Motion, frames_in: int) -> dict[str, Any]:
     """Share of the input frames with a valid pose, and how many frames pass before the first one."""
     valid = estimate.pose_valid
     first = int(np.argmax(valid)) if valid.any() else None
@@ -34,7 +37,7 @@ def coverage(estimate: Motion, frames_in: int) -> dict:
     }
 
 
-def counts(estimate: Motion) -> list[dict]:
+def counts(estimate: Motion) -> list[dict[str, Any]]:
     """What the frames had to work with over time: means of each count over the parts of the run, None where not told.
 
     Features, matches and inliers are those of a frame, landmarks and keyframes those of the map.
@@ -43,14 +46,12 @@ def counts(estimate: Motion) -> list[dict]:
     result = []
     for rows in parts:
         told = {name: estimate.columns[name][rows] for name in COUNTS}
-        result.append(
-            {"from_s": float(estimate.seconds[rows[0]]), "to_s": float(estimate.seconds[rows[-1]])}
-            | {name: float(np.nanmean(values)) if np.isfinite(values).any() else None for name, values in told.items()}
-        )
+        means = {name: float(np.nanmean(values)) if np.isfinite(values).any() else None for name, values in told.items()}
+        result.append({"from_s": float(estimate.seconds[rows[0]]), "to_s": float(estimate.seconds[rows[-1]]), **means})
     return result
 
 
-def _joined(values: list) -> np.ndarray:
+def _joined(values: Iterable[Any]) -> np.ndarray:
     """Arrays of the parts as one, over their first axis."""
     return np.concatenate([np.asarray(value) for value in values])
 
@@ -60,7 +61,7 @@ def attitude_error_rad(parts: list[Aligned]) -> np.ndarray:
     return _joined([part.attitude_error_rad for part in parts])
 
 
-def attitude(parts: list[Aligned]) -> dict:
+def attitude(parts: list[Aligned]) -> dict[str, Any]:
     error_deg = np.degrees(attitude_error_rad(parts))
     return {"rmse_deg": rms(error_deg), "max_deg": float(error_deg.max()), "median_deg": float(np.median(error_deg))}
 
@@ -71,10 +72,10 @@ def _camera_path_error(part: Aligned) -> np.ndarray:
     path_m = align.camera_path_errors(
         part.R_CE[kept], part.estimate.p_CT[part.rows_E][kept], part.R_CT[kept], part.truth.p_CT[part.rows_T][kept], part.R_ET
     )
-    return path_m / part.range_m[kept]
+    return np.asarray(path_m / part.range_m[kept])
 
 
-def position(parts: list[Aligned]) -> dict:
+def position(parts: list[Aligned]) -> dict[str, Any]:
     """RMSE in % of range: of the camera's path in the body frame after a similarity, and of p_CT after scale and offset.
 
     The first has the attitude error with the range as its lever; the second is how well the target is placed as seen
@@ -113,7 +114,7 @@ def all_rate_pairs(parts: list[Aligned]) -> tuple[np.ndarray, np.ndarray, np.nda
     return rows[order], estimate[order], truth[order]
 
 
-def rates(parts: list[Aligned]) -> dict | None:
+def rates(parts: list[Aligned]) -> dict[str, Any] | None:
     """Angular velocity errors in the truth's axes [deg/s] and period errors; None without rates in both files."""
     rows_E, w_E, w_T = all_rate_pairs(parts)
     if len(w_E) == 0:
@@ -158,15 +159,16 @@ def velocity_pairs(part: Aligned) -> tuple[np.ndarray, np.ndarray, np.ndarray, n
 
 def all_velocity_pairs(parts: list[Aligned]) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """velocity_pairs of all parts."""
-    return tuple(_joined(values) for values in zip(*(velocity_pairs(part) for part in parts)))
+    rows, published, moved, true = (_joined(values) for values in zip(*(velocity_pairs(part) for part in parts)))
+    return rows, published, moved, true
 
 
-def velocity(parts: list[Aligned]) -> dict | None:
+def velocity(parts: list[Aligned]) -> dict[str, Any] | None:
     """Linear velocity errors [m/s] as published, and with the constant offset of the origin accounted for."""
     _, published, moved, true = all_velocity_pairs(parts)
     if len(true) == 0:
         return None
-    result = {"frames": len(true), "scale_from_alignment": not all(part.metric for part in parts)}
+    result: dict[str, Any] = {"frames": len(true), "scale_from_alignment": not all(part.metric for part in parts)}
     mean_true = true.mean(axis=0)
     for name, value in (("", published), ("_offset_corrected", moved)):
         if not np.isfinite(value).all():
@@ -182,7 +184,7 @@ def velocity(parts: list[Aligned]) -> dict | None:
     return result
 
 
-def _normalised(error: np.ndarray, sigma: np.ndarray) -> dict | None:
+def _normalised(error: np.ndarray, sigma: np.ndarray) -> dict[str, Any] | None:
     """Share of frames whose error norm is within the 95 % bound of the published sigma (1 sigma of the worst axis).
 
     A sigma of zero promises that there is no error: it counts among the frames, not among the ratios.
@@ -200,13 +202,13 @@ def _normalised(error: np.ndarray, sigma: np.ndarray) -> dict | None:
     }
 
 
-def consistency(parts: list[Aligned]) -> dict:
+def consistency(parts: list[Aligned]) -> dict[str, Any]:
     """Error norms over published sigmas. At least 95 % of the frames should be within the bound.
 
     A sigma is that of the worst axis, so rms_normalised of honest sigmas lies between 0.58 (one axis has all the error)
     and 1 (all axes alike); above, the sigmas promise too much, far below, too little.
     """
-    found = {name: [] for name in ("attitude", "position", "velocity", "rate")}
+    found: dict[str, list[Any]] = {name: [] for name in ("attitude", "position", "velocity", "rate")}
     for part in parts:
         sigma = {name: values for name, values in part.estimate.columns.items() if name.startswith("sigma")}
         length_scale = part.own_similarity.scale
@@ -219,9 +221,9 @@ def consistency(parts: list[Aligned]) -> dict:
     return {name: _normalised(*(_joined(values) for values in zip(*pairs))) for name, pairs in found.items()}
 
 
-def judge_frames(parts: list[Aligned], estimate: Motion) -> dict:
+def judge_frames(parts: list[Aligned], estimate: Motion) -> dict[str, Any]:
     """How many target frames T the poses are in, and each by itself; poses in a T of a single frame can't be judged."""
-    judged = [
+    judged: list[dict[str, Any]] = [
         {
             "target_frame": part.target_frame,
             "frames": len(part.rows_E),
@@ -238,7 +240,7 @@ def judge_frames(parts: list[Aligned], estimate: Motion) -> dict:
     }
 
 
-def judge_motion(estimate: Motion, truth: Motion, frames_in: int) -> dict:
+def judge_motion(estimate: Motion, truth: Motion, frames_in: int) -> dict[str, Any]:
     """Everything that one motion file is judged by."""
     report = {"coverage": coverage(estimate, frames_in), "counts": counts(estimate)}
     parts = align_each(estimate, truth)

@@ -7,6 +7,7 @@ Call: paper.py scale SEQ            prints --set arguments, one a line, that giv
 import json
 import pathlib
 import sys
+from typing import Any
 
 from polhode_ground.common.errors import BadInput
 from polhode_ground.common.sequence import read_json
@@ -62,7 +63,7 @@ def scale_arguments(sequence: pathlib.Path) -> list[str]:
         raise BadInput(f"{path}: known_lengths: {problem!r}") from None
 
 
-def paper_table(reports: dict[str, dict]) -> str:
+def paper_table(reports: dict[str, dict[str, Any]]) -> str:
     """Rows of both cases; reports maps '2D' and '3D' to one run's report, or lacks them."""
     rows = []
     for case, case_rows in ROWS.items():
@@ -75,7 +76,7 @@ def paper_table(reports: dict[str, dict]) -> str:
     return table(["", "paper", "ours causal", "ours smoothed"], rows)
 
 
-def counts_table(reports: dict[str, dict]) -> str:
+def counts_table(reports: dict[str, dict[str, Any]]) -> str:
     """Points and features over time of both cases, as the causal run told them; means over the parts of a run."""
     rows = []
     for case, report in reports.items():

@@ -11,8 +11,13 @@ import argparse
 import pathlib
 import statistics
 import sys
+from typing import TYPE_CHECKING, Any
 
 from polhode_ground.common.venv import REPOSITORY, enter_venv, run_main
+
+if TYPE_CHECKING:
+    from polhode_ground.common.sequence import Sequence
+    from polhode_ground.judge.run import Run
 
 HEADER = [
     "",
@@ -38,7 +43,7 @@ def arguments() -> argparse.Namespace:
     return parser.parse_args()
 
 
-def replays(sequence, options) -> list:
+def replays(sequence: "Sequence", options: argparse.Namespace) -> list["Run"]:
     """Runs with the seeds 1 .. options.seeds."""
     from polhode_ground.common.replay import cache_folder, replay
     from polhode_ground.judge.run import read_run
@@ -52,7 +57,7 @@ def replays(sequence, options) -> list:
     return runs
 
 
-def row_of(folder: pathlib.Path, options) -> list[str]:
+def row_of(folder: pathlib.Path, options: argparse.Namespace) -> list[str]:
     """Cells of one sequence; '-' for what is not there, such as the attitude of a target that was never acquired."""
     from polhode_ground.common.replay import cache_folder
     from polhode_ground.common.sequence import read_sequence
@@ -66,7 +71,7 @@ def row_of(folder: pathlib.Path, options) -> list[str]:
     ours, theirs = [judge_run(run, sequence, truth) for run in runs], judge_run(peer, sequence, truth)
     shared = [colmap.attitude_on_shared_frames(run, peer, truth) for run in runs]
 
-    def median(reports, path, layout):
+    def median(reports: list[dict[str, Any]], path: str, layout: str) -> str:
         found = [value for value in (report.lookup(one, path) for one in reports) if value is not None]
         return report.text_of(statistics.median(found) if found else None, layout)
 

@@ -1,5 +1,7 @@
 """Periods of angular velocity components by a least-squares sine fit, as the paper reports them."""
 
+from typing import Any
+
 import numpy as np
 from scipy.optimize import least_squares
 
@@ -21,7 +23,7 @@ def _linear_fit(time_s: np.ndarray, value: np.ndarray, frequency_hz: np.ndarray)
     return cost
 
 
-def fit_sine(time_s: np.ndarray, value: np.ndarray) -> dict | None:
+def fit_sine(time_s: np.ndarray, value: np.ndarray) -> dict[str, Any] | None:
     """Offset, amplitude, period [s] and phase of the best sine; None where there is none to fit.
 
     A grid over frequency (fine enough that the optimum's basin is not missed), then nonlinear least squares.
@@ -41,9 +43,9 @@ def fit_sine(time_s: np.ndarray, value: np.ndarray) -> dict | None:
     offset, cosine, sine = np.linalg.lstsq(basis, value, rcond=None)[0]
     scale = max(np.std(value), 1e-12)
 
-    def residual(x):
+    def residual(x: np.ndarray) -> np.ndarray:
         angle = 2 * np.pi * x[3] / span_s * time_s
-        return (x[0] + x[1] * np.cos(angle) + x[2] * np.sin(angle) - value) / scale
+        return np.asarray((x[0] + x[1] * np.cos(angle) + x[2] * np.sin(angle) - value) / scale)
 
     fit = least_squares(residual, [offset, cosine, sine, frequency * span_s], x_scale=[scale, scale, scale, 0.1])
     offset, cosine, sine, cycles = fit.x
@@ -59,13 +61,13 @@ def fit_sine(time_s: np.ndarray, value: np.ndarray) -> dict | None:
     }
 
 
-def sine_curve(fit: dict, time_s: np.ndarray, start_s: float) -> np.ndarray:
+def sine_curve(fit: dict[str, Any], time_s: np.ndarray, start_s: float) -> np.ndarray:
     """Values of a fit made on samples that began at start_s."""
     angle = 2 * np.pi / fit["period_s"] * (time_s - start_s)
-    return fit["offset"] + fit["cosine"] * np.cos(angle) + fit["sine"] * np.sin(angle)
+    return np.asarray(fit["offset"] + fit["cosine"] * np.cos(angle) + fit["sine"] * np.sin(angle))
 
 
-def period_error(time_s: np.ndarray, estimate: np.ndarray, truth: np.ndarray, rate_total: float) -> dict | None:
+def period_error(time_s: np.ndarray, estimate: np.ndarray, truth: np.ndarray, rate_total: float) -> dict[str, Any] | None:
     """Period of the truth, of the estimate and their relative error [%]; None where the truth is constant."""
     fit_true = fit_sine(time_s, truth)
     if fit_true is None or fit_true["amplitude"] < AMPLITUDE_RELATIVE_MIN * rate_total:

@@ -10,9 +10,13 @@ import argparse
 import os
 import pathlib
 import shutil
+from typing import TYPE_CHECKING
 
 from polhode_ground.common.ranges import whole
 from polhode_ground.common.venv import REPOSITORY, enter_venv, run_main
+
+if TYPE_CHECKING:
+    from polhode_ground.common.sequence import Sequence
 
 
 def arguments() -> argparse.Namespace:
@@ -30,7 +34,7 @@ def arguments() -> argparse.Namespace:
 MARKER = ".polhode-predict"
 
 
-def shorten(sequence, frames: int, out: pathlib.Path) -> pathlib.Path:
+def shorten(sequence: "Sequence", frames: int, out: pathlib.Path) -> pathlib.Path:
     """The sequence with its first frames only; pictures stay where they are."""
     from polhode_ground.common.errors import BadInput
     from polhode_ground.common.whole_file import claim_folder

@@ -4,6 +4,9 @@ A run that saw only the first frames of a sequence predicts what the rest of tru
 run's own smoothed motion: nothing later goes into it.
 """
 
+import pathlib
+from typing import Any
+
 import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
 
@@ -24,10 +27,11 @@ def truth_at(truth: Motion, timestamp_ns: int) -> tuple[Rotation, np.ndarray, np
     pair = [row - 1, row]
     part = (timestamp_ns - truth.timestamp_ns[row - 1]) / np.diff(truth.timestamp_ns[pair])[0]
     rotation = Slerp([0.0, 1.0], align.rotations(truth.q_CT[pair]))(part)
-    return rotation, *((1 - part) * value[row - 1] + part * value[row] for value in (truth.p_CT, truth.w_T))
+    p_CT, w_T = ((1 - part) * value[row - 1] + part * value[row] for value in (truth.p_CT, truth.w_T))
+    return rotation, p_CT, w_T
 
 
-def judge_row(row: dict, aligned: Aligned) -> dict | None:
+def judge_row(row: dict[str, Any], aligned: Aligned) -> dict[str, Any] | None:
     """Errors of one prediction; None where the truth ends before it."""
     true = truth_at(aligned.truth, int(row["timestamp_ns"]))
     if true is None:
@@ -54,7 +58,7 @@ def judge_row(row: dict, aligned: Aligned) -> dict | None:
     return result
 
 
-def judge_prediction(model_path, aligned: Aligned | None) -> list[dict] | None:
+def judge_prediction(model_path: pathlib.Path, aligned: Aligned | None) -> list[dict[str, Any]] | None:
     """One entry per predicted time that the truth covers; None without a prediction."""
     rows = read_json(model_path).get("prediction") or []
     if aligned is None or not rows:

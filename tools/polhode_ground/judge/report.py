@@ -1,6 +1,7 @@
 """The judge's table: one row per quantity, one column per run and motion file."""
 
 import math
+from typing import Any
 
 # (title, path into a motion file's report, format)
 MOTION_ROWS = (
@@ -76,7 +77,7 @@ COST_ROWS = (
 UNKNOWN = "-"
 
 
-def lookup(report: dict, path: str):
+def lookup(report: dict[str, Any] | None, path: str) -> Any:
     """Value at 'a.b.c', None where any part is missing."""
     value = report
     for key in path.split("."):
@@ -86,7 +87,7 @@ def lookup(report: dict, path: str):
     return value
 
 
-def text_of(value, layout: str) -> str:
+def text_of(value: Any, layout: str) -> str:
     if value is None or (isinstance(value, float) and not math.isfinite(value)):
         return UNKNOWN
     return f"{100 * value:.1f}" if layout == "percent" else layout.format(value)
@@ -102,7 +103,7 @@ def table(header: list[str], rows: list[list[str]]) -> str:
     return "\n".join(line.rstrip() for line in lines)
 
 
-def _labels(reports: list[dict]) -> list[str]:
+def _labels(reports: list[dict[str, Any]]) -> list[str]:
     """Short names of the runs: the last folder, with its parent where two are called the same, with a number if need be."""
     parts = [report["run"].rstrip("/").split("/") for report in reports]
     names = [part[-1] for part in parts]
@@ -114,7 +115,7 @@ def _body(title: str, cells: list[str]) -> list[list[str]]:
     return [[title, *cells]] if any(cell != UNKNOWN for cell in cells) else []
 
 
-def motion_table(reports: list[dict]) -> str:
+def motion_table(reports: list[dict[str, Any]]) -> str:
     columns = [
         (f"{label} {kind}", report["motion"][kind], report) for label, report in zip(_labels(reports), reports) for kind in report["motion"]
     ]
@@ -126,11 +127,11 @@ def motion_table(reports: list[dict]) -> str:
     return table(["", *(name for name, _, _ in columns)], rows)
 
 
-def notes(reports: list[dict]) -> list[str]:
+def notes(reports: list[dict[str, Any]]) -> list[str]:
     """Sentences that a reader must not miss."""
     remarks = dict.fromkeys(report.get("truth") for report in reports)
     lines = [f"truth: {remark}" for remark in remarks if remark]
-    digests = {}
+    digests: dict[str, list[str]] = {}
     for label, report in zip(_labels(reports), reports):
         for kind, motion in report["motion"].items():
             who = f"{label} {kind}"
@@ -172,7 +173,7 @@ def notes(reports: list[dict]) -> list[str]:
     return lines
 
 
-def prediction_table(judged: list[dict] | None) -> str:
+def prediction_table(judged: list[dict[str, Any]] | None) -> str:
     """Errors over the horizon; empty where the truth ends with the run."""
     rows = [
         [
@@ -189,7 +190,7 @@ def prediction_table(judged: list[dict] | None) -> str:
     return table(header, rows) if rows else ""
 
 
-def text_report(reports: list[dict]) -> str:
+def text_report(reports: list[dict[str, Any]]) -> str:
     """The whole report as printed."""
     parts = [
         f"sequence {reports[0]['sequence']}",

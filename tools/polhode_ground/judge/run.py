@@ -3,6 +3,7 @@
 import hashlib
 import pathlib
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -27,7 +28,7 @@ class Run:
 
     folder: pathlib.Path
     motions: dict[str, Motion]
-    summary: dict
+    summary: dict[str, Any]
 
     @property
     def name(self) -> str:
@@ -76,13 +77,13 @@ def best_alignment(run: Run, truth: Motion) -> Aligned | None:
     return None
 
 
-def _number(summary: dict, path: str) -> float | None:
+def _number(summary: dict[str, Any], path: str) -> float | None:
     """A number at 'a.b.c' of the summary; None where it is not there."""
     value = lookup(summary, path)
     return float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else None
 
 
-def cost(run: Run) -> dict | None:
+def cost(run: Run) -> dict[str, Any] | None:
     """Cost per frame and memory as the run's own summary tells them; None where it tells nothing.
 
     Step times come from motion.csv where the summary has none. cpu_total_* counts the work after the last frame too,
@@ -109,7 +110,7 @@ def cost(run: Run) -> dict | None:
     return result if any(value is not None for value in result.values()) else None
 
 
-def determinism(run: Run) -> dict | None:
+def determinism(run: Run) -> dict[str, Any] | None:
     """SHA-256 of bus.ccsds, and whether the summary states the same; None where there is no bus file."""
     path = run.folder / "bus.ccsds"
     if not path.exists():
@@ -119,10 +120,10 @@ def determinism(run: Run) -> dict | None:
     return {"bus_sha256": digest, "summary_agrees": None if stated is None else stated == digest}
 
 
-def judge_run(run: Run, sequence: Sequence, truth: Motion) -> dict:
+def judge_run(run: Run, sequence: Sequence, truth: Motion) -> dict[str, Any]:
     """The whole report of one run as plain data, ready for JSON."""
     frames_in = len(sequence.timestamp_ns)
-    report = {
+    report: dict[str, Any] = {
         "run": str(run.folder),
         "sequence": sequence.name,
         "truth": truth.remark,

@@ -1,6 +1,7 @@
 """Distance of an estimated cloud to the true mesh, and how much of what was seen it covers."""
 
 import pathlib
+from typing import Any
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -20,7 +21,7 @@ VIEWS = 40
 DEPTH_CELLS = 220
 
 
-def load_ply(path: pathlib.Path):
+def load_ply(path: pathlib.Path) -> Any:
     import trimesh
 
     try:
@@ -39,7 +40,7 @@ def read_cloud(path: pathlib.Path, measured_only: bool = False) -> np.ndarray:
     if measured_only:
         added = property_of(mesh, "added", len(points))
         keep &= added == 0 if added is not None else True
-    return points[keep]
+    return np.asarray(points[keep])
 
 
 def read_landmark_numbers(path: pathlib.Path) -> set[int] | None:
@@ -49,7 +50,7 @@ def read_landmark_numbers(path: pathlib.Path) -> set[int] | None:
     return None if numbers is None else set(numbers.tolist())
 
 
-def property_of(mesh, name: str, count: int) -> np.ndarray | None:
+def property_of(mesh: Any, name: str, count: int) -> np.ndarray | None:
     """A property of each point [N] of a PLY file; None where the file has none of that name."""
     try:
         values = np.asarray(mesh.metadata["_ply_raw"]["vertex"]["data"][name]).reshape(-1)
@@ -114,7 +115,7 @@ def cloud_in_truth(points_E: np.ndarray, aligned: Aligned, own_scale: bool = Fal
     return scale * aligned.R_ET.inv().apply(points_E - aligned.similarity.offset_E)
 
 
-def judge_shape(cloud_path: pathlib.Path, model_path: pathlib.Path, aligned: Aligned) -> dict | None:
+def judge_shape(cloud_path: pathlib.Path, model_path: pathlib.Path, aligned: Aligned) -> dict[str, Any] | None:
     """Accuracy and completeness of a cloud's measured points, in % of the body's size; None where a file is missing."""
     if not cloud_path.exists() or not model_path.exists():
         return None
@@ -126,7 +127,7 @@ def judge_shape(cloud_path: pathlib.Path, model_path: pathlib.Path, aligned: Ali
     distance = 100 * nearest_m(points_T, surface_T) / size_m
     seen = seen_samples(surface_T, normals_T, aligned.R_CT, aligned.truth.p_CT[aligned.rows_T])
     to_cloud = 100 * nearest_m(surface_T, points_T) / size_m
-    result = {
+    result: dict[str, Any] = {
         "points": len(points_T),
         "body_size_m": size_m,
         "distance_rmse_percent": float(np.sqrt(np.mean(distance**2))),

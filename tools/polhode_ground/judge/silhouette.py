@@ -1,8 +1,11 @@
 """What of a picture is the target, by the truth: the mesh of a sequence drawn with its true poses."""
 
+from typing import Any
+
 import numpy as np
 
 from polhode_ground.common.errors import BadInput
+from polhode_ground.common.sequence import Sequence
 from polhode_ground.common.tables import read_motion
 from polhode_ground.judge.align import rotations
 
@@ -13,12 +16,12 @@ FINER = 3
 class Silhouettes:
     """Masks [H,W] bool of a sequence with model.ply and truth.csv."""
 
-    def __init__(self, sequence):
+    def __init__(self, sequence: Sequence):
         import trimesh
 
         if not sequence.model_path.exists():
             raise BadInput(f"{sequence.model_path}: no mesh to draw silhouettes from")
-        mesh = trimesh.load(sequence.model_path, process=False)
+        mesh: Any = trimesh.load(sequence.model_path, process=False)
         self.vertices_T, self.faces = np.asarray(mesh.vertices), np.asarray(mesh.faces)
         self.camera, self.truth = sequence.camera, read_motion(sequence.truth_path)
         self.row_of = {int(stamp): row for row, stamp in enumerate(self.truth.timestamp_ns)}
@@ -37,7 +40,7 @@ class Silhouettes:
             if np.isfinite(triangle).all():
                 draw.polygon([tuple(corner) for corner in triangle], fill=1)
         finer = np.asarray(picture).reshape(self.camera.height_px, FINER, self.camera.width_px, FINER)
-        return finer.mean(axis=(1, 3)) >= 0.5
+        return np.asarray(finer.mean(axis=(1, 3)) >= 0.5)
 
 
 def overlap(mask: np.ndarray, truth: np.ndarray) -> float:

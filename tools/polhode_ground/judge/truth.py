@@ -1,6 +1,8 @@
 """The truth at the frames' times: as it is where it has their stamps, interpolated between its rows where it has stamps of its own."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -35,6 +37,7 @@ class Matching:
 def at_frames(truth: Motion, frames_ns: np.ndarray, matching: Matching) -> Motion:
     """The truth with a row at each of the frames that it covers. Its rows before the first and after the last frame stay."""
     half_filled = _half_filled(truth)
+    assert matching.offset_s is not None, "estimated before"
     own_ns = truth.timestamp_ns - np.int64(round(matching.offset_s * 1e9))
     shifted = replace(truth, timestamp_ns=own_ns)
     exact = int(np.isin(frames_ns, own_ns).sum())
@@ -114,7 +117,7 @@ def _interpolated(truth: Motion, frames_ns: np.ndarray, gap_max_ns: int) -> Moti
     part = np.where(covered & (width > 0), (frames_ns - stamps[before]) / np.maximum(width, 1), 0.0)
     before, after = rows[before], rows[after]
 
-    def line(values):
+    def line(values: np.ndarray) -> np.ndarray:
         return np.where(covered[:, None], (1 - part)[:, None] * values[before] + part[:, None] * values[after], empty)
 
     first, second = align.rotations(truth.q_CT[before]), align.rotations(truth.q_CT[after])
@@ -150,9 +153,10 @@ def _rows(motion: Motion, kept: np.ndarray) -> Motion:
 def _together(one: Motion, other: Motion) -> Motion:
     """Rows of both, in order of time."""
     order = np.argsort(np.concatenate([one.timestamp_ns, other.timestamp_ns]), kind="stable")
+    arrays: dict[str, Any] = {name: np.concatenate([getattr(one, name), getattr(other, name)])[order] for name in ARRAYS}
     return replace(
         one,
-        **{name: np.concatenate([getattr(one, name), getattr(other, name)])[order] for name in ARRAYS},
+        **arrays,
         columns={name: np.concatenate([values, other.columns[name]])[order] for name, values in one.columns.items()},
     )
 
@@ -167,7 +171,8 @@ def estimated_offset(estimate: Motion, truth: Motion, gap_max_s: float = GAP_MAX
     longest = max((in_frame(estimate, number) for number in numbers), key=lambda one: one.pose_valid.sum()) if numbers else estimate
     rows = np.flatnonzero(longest.pose_valid)
     rows = rows[np.unique(np.linspace(0, len(rows) - 1, OFFSET_FRAMES_MAX).astype(int))] if len(rows) else rows
-    frames_ns, R_CE = longest.timestamp_ns[rows], align.rotations(longest.q_CT[rows]) if len(rows) else None
+    frames_ns = longest.timestamp_ns[rows]
+    R_CE = align.rotations(longest.q_CT[rows]) if len(rows) else Rotation.identity(1)
 
     def residual_rad(offset_s: float) -> np.ndarray:
         """[N,3] after the best constant rotation; NaN where there is no truth."""
@@ -203,9 +208,9 @@ def estimated_offset(estimate: Motion, truth: Motion, gap_max_s: float = GAP_MAX
     return Matching(gap_max_s, best_s, sigma_s)
 
 
-def _offset_sigma_s(residual_rad, best_s: float, step_s: float) -> float:
+def _offset_sigma_s(residual_rad: Callable[[float], np.ndarray], best_s: float, step_s: float) -> float:
     """As if the errors of all frames were one: those of a map are the same over many frames."""
     slope = (residual_rad(best_s + step_s) - residual_rad(best_s - step_s)) / (2 * step_s)
     error, known = residual_rad(best_s), np.isfinite(slope).all(axis=1)
     error_rms, slope_rms = (float(np.sqrt(np.nanmedian((values[known] ** 2).sum(axis=1)))) for values in (error, slope))
-    return max(error_rms, ERROR_FLOOR_RAD) / max(slope_rms, 1e-9)
+    return float(max(error_rms, ERROR_FLOOR_RAD) / max(slope_rms, 1e-9))

@@ -5,6 +5,8 @@ with D the reflection along the line of sight, R_CT_twin = D * R_CT * D up to a 
 picked the twin shows every frame "registered" and a low residual, and all its attitudes are wrong.
 """
 
+from typing import Any
+
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -52,7 +54,7 @@ def in_plane_factor(R_CE: Rotation, R_CT: Rotation) -> float | None:
     return float((flat_E * flat_T).sum() / power)
 
 
-def judge_twin(R_CE: Rotation, R_CT: Rotation, p_CT: np.ndarray) -> dict:
+def judge_twin(R_CE: Rotation, R_CT: Rotation, p_CT: np.ndarray) -> dict[str, Any]:
     """Which of the two an estimate follows; attitudes of the same N >= 2 frames.
 
     @return verdict: 'truth', 'twin', 'neither' or 'indistinguishable', and the three RMSE [deg] that it rests on.
@@ -76,6 +78,6 @@ def judge_twin(R_CE: Rotation, R_CT: Rotation, p_CT: np.ndarray) -> dict:
     }
 
 
-def worst(judged: list[dict]) -> dict:
+def worst(judged: list[dict[str, Any]]) -> dict[str, Any]:
     """Of several parts of a run the one that must not be missed."""
     return max(judged, key=lambda one: VERDICTS.index(one["verdict"]))
