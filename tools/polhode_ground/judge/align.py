@@ -43,19 +43,14 @@ def axis_angle_deg(a: np.ndarray, b: np.ndarray) -> float:
     return float(np.degrees(np.arctan2(np.linalg.norm(np.cross(a, b)), abs(a @ b))))
 
 
-def _geodesic_mean(samples: Rotation, start: Rotation, weights: str | None = None, steps: int = 50) -> Rotation:
-    """Karcher mean (weights None) or geodesic L1 median (weights 'median', Weiszfeld's algorithm)."""
-    mean = start
+def _median_rotation(samples: Rotation, start: Rotation, steps: int = 50) -> Rotation:
+    """L1 median by Weiszfeld's algorithm: a mean whose weights are one over the distance."""
+    median = start
     for _ in range(steps):
-        tangent = (mean.inv() * samples).as_rotvec()
-        weight = np.ones(len(tangent))
-        if weights == "median":
-            weight = 1.0 / np.maximum(np.linalg.norm(tangent, axis=1), 1e-6)
-        step = (weight[:, None] * tangent).sum(axis=0) / weight.sum()
-        mean = mean * Rotation.from_rotvec(step)
-        if np.linalg.norm(step) < 1e-12:
+        before, median = median, samples.mean(weights=1.0 / np.maximum(angles_rad(median, samples), 1e-6))
+        if (before.inv() * median).magnitude() < 1e-12:
             break
-    return mean
+    return median
 
 
 def align_rotation(R_CE: Rotation, R_CT: Rotation) -> Rotation:
@@ -64,10 +59,9 @@ def align_rotation(R_CE: Rotation, R_CT: Rotation) -> Rotation:
     # The medoid of a few candidates starts the median inside the largest cluster even where half of the frames are lost.
     candidates = samples[np.unique(np.linspace(0, len(samples) - 1, 25).astype(int))]
     cost = [angles_rad(one, samples).sum() for one in candidates]
-    median = _geodesic_mean(samples, candidates[int(np.argmin(cost))], weights="median")
-    error_rad = (median.inv() * samples).magnitude()
+    error_rad = angles_rad(_median_rotation(samples, candidates[int(np.argmin(cost))]), samples)
     inlier = error_rad <= max(OUTLIER_MEDIANS * np.median(error_rad), ANGLE_FLOOR_RAD)
-    return _geodesic_mean(samples[inlier], median)
+    return samples[inlier].mean()
 
 
 def apply_similarity(similarity: Similarity, R_CE: Rotation, p_CE: np.ndarray) -> np.ndarray:
@@ -124,10 +118,9 @@ def camera_path_errors(R_CE: Rotation, p_CE: np.ndarray, R_CT: Rotation, p_CT: n
     camera_E = -R_CE.inv().apply(p_CE)
     camera_T = -R_CT.inv().apply(p_CT)
     centred_E, centred_T = camera_E - camera_E.mean(axis=0), camera_T - camera_T.mean(axis=0)
-    u, strength, vt = np.linalg.svd(centred_T.T @ centred_E)
-    turn = R_ET.inv().as_matrix()
-    if strength[1] > 1e-3 * strength[0]:
-        turn = u @ np.diag([1, 1, np.linalg.det(u @ vt)]) @ vt
-    turned = centred_E @ turn.T
+    strength = np.linalg.svd(centred_T.T @ centred_E, compute_uv=False)
+    is_line = strength[1] <= 1e-3 * strength[0]
+    turn = R_ET.inv() if is_line else Rotation.align_vectors(centred_T, centred_E)[0]
+    turned = turn.apply(centred_E)
     scale = (turned * centred_T).sum() / max((turned * turned).sum(), 1e-30)
     return np.asarray(np.linalg.norm(scale * turned - centred_T, axis=1))

@@ -11,6 +11,7 @@ import sys
 
 import numpy
 from PIL import Image
+from scipy.spatial.transform import Rotation
 
 SENSOR = """\
 sensor_type: camera
@@ -65,11 +66,9 @@ class Ball:
 
 
 def turn(angle_rad: float) -> numpy.ndarray:
-    """Rotation about a fixed, tilted axis (Rodrigues)."""
+    """Rotation [3,3] about a fixed, tilted axis."""
     axis = numpy.array([0.2, 1.0, 0.1])
-    x, y, z = axis / numpy.linalg.norm(axis)
-    K = numpy.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return numpy.eye(3) + numpy.sin(angle_rad) * K + (1.0 - numpy.cos(angle_rad)) * K @ K
+    return Rotation.from_rotvec(angle_rad * axis / numpy.linalg.norm(axis)).as_matrix()
 
 
 def body(frames: int = 24, width: int = 320) -> list[numpy.ndarray]:
