@@ -1,7 +1,4 @@
-"""The cost of a replay from its summary.json, as a table.
-
-tools/benchmark_table.py SUMMARY.json
-"""
+"""The cost of a replay from its summary.json, as a table."""
 
 import argparse
 import json
@@ -9,6 +6,8 @@ import pathlib
 
 from polhode_ground.common.errors import BadInput
 from polhode_ground.common.venv import run_main
+
+EXAMPLE = "    tools/benchmark_table.py SUMMARY.json"
 
 
 def rows(timings: dict) -> list[tuple[str, ...]]:
@@ -33,7 +32,7 @@ def text_of(summary: dict) -> str:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__.strip(), formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(description=f"{__doc__}\n\n{EXAMPLE}", formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("summary", metavar="SUMMARY.json", type=pathlib.Path, help="of a replay's output folder")
     file = parser.parse_args().summary
     try:
