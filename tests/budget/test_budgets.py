@@ -7,11 +7,11 @@ import re
 import subprocess
 
 import pytest
+from polhode_ground.checking import check_budgets
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 PROGRAM = pathlib.Path(os.environ.get("POLHODE_PROGRAM", REPOSITORY / "build/release/bin/polhode"))
 
-from polhode_ground.checking import check_budgets
 
 pytestmark = pytest.mark.skipif(not PROGRAM.exists(), reason=f"{PROGRAM} is not built")
 FOUND = {"resident": 60, "allowed": 64, "overdrawn": 0, **dict.fromkeys(check_budgets.MEASURES, 1.0)}

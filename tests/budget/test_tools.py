@@ -2,11 +2,7 @@
 
 
 import pytest
-
-
-from polhode_ground.checking import benchmark_table
-from polhode_ground.checking import first_difference
-from polhode_ground.checking import instruction_counts
+from polhode_ground.checking import benchmark_table, first_difference, instruction_counts
 from polhode_ground.importing import scale_sequence
 
 PACKETS = [{"frame": 0, "mode": "acquiring", "q_CT": [1.0, 0.0, 0.0, 0.0]}, {"frame": 1, "mode": "tracking", "q_CT": [0.6, 0.8, 0.0, 0.0]}]

@@ -4,15 +4,14 @@ import pathlib
 import subprocess
 import sys
 
+import cv2
 import numpy
 import pytest
-
-cv2 = pytest.importorskip("cv2")
+import rendered_boards as rendered
+from polhode_ground.calibration.boards import Board
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 
-import rendered_boards as rendered
-from polhode_ground.calibration.boards import Board
 
 COLUMNS, ROWS, SQUARE_M = 10, 7, 0.03
 TOOL = [sys.executable, REPOSITORY / "tools/calibrate_camera.py", "--squares", f"{COLUMNS}x{ROWS}", "--square-m", str(SQUARE_M)]

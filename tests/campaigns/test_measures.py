@@ -6,8 +6,8 @@ import pytest
 from polhode_ground.campaigns import measures
 from polhode_ground.campaigns.measures import longest_run, measure, turned_deg, write_result
 from polhode_ground.common.tables import read_motion
-from scipy.spatial.transform import Rotation
 from polhode_ground.testing.synthetic import Errors, tumbling_body, write_run, write_sequence
+from scipy.spatial.transform import Rotation
 
 
 @pytest.fixture(scope="module")

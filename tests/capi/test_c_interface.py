@@ -9,10 +9,10 @@ import sys
 
 import numpy
 import pytest
+from polhode_ctypes import Camera, Component, Input, Octets, Output, load, packets_of
+from polhode_ground.checking import golden
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
-from polhode_ground.checking import golden
-from polhode_ctypes import Camera, Component, Input, Octets, Output, load, packets_of
 
 BUILD = pathlib.Path(os.environ.get("POLHODE_BUILD", REPOSITORY / "build/release"))
 LIBRARY = BUILD / "platform/libpolhode.so"

@@ -5,7 +5,6 @@ import sys
 
 import pytest
 from flights import CLIENT, REPOSITORY
-
 from polhode_ground.busgen.table import TableError, read_table
 
 

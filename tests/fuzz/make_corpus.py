@@ -1,11 +1,11 @@
-#!/usr/bin/env -S python3 -Es -X utf8
 """Writes the fixed corpus of the command fuzz target: a good command of each code, and ones that are nearly right."""
 
 import pathlib
 import struct
 
-HERE = pathlib.Path(__file__).resolve().parent
 from polhode_bus import crc16, make_command, make_table_activate, make_table_load
+
+HERE = pathlib.Path(__file__).resolve().parent
 
 LOAD = {"features.count_max": 500, "features.sigma_px": 0.3, "mask.enabled": True}
 

@@ -11,13 +11,13 @@ import sys
 import zlib
 
 import numpy
+from mutations import checkpoint_sums, recording_sums
 from PIL import Image
+from polhode_ground.testing.replay_files import DEFAULTS, PROGRAM
+from polhode_ground.testing.sequence_writer import HEIGHT, WIDTH, SequenceWriter, textured
 
 HERE = pathlib.Path(__file__).resolve().parent
 REPOSITORY = HERE.parents[1]
-from mutations import checkpoint_sums, recording_sums
-from polhode_ground.testing.replay_files import DEFAULTS, PROGRAM
-from polhode_ground.testing.sequence_writer import HEIGHT, WIDTH, SequenceWriter, textured
 
 FRAMES = 3
 

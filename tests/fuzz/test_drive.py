@@ -4,8 +4,6 @@ import subprocess
 import sys
 
 import pytest
-
-
 from drive import drive, execute, fault_of, form_of, report
 from readers import PROGRAM, REPOSITORY, all_readers
 

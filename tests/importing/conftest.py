@@ -1,13 +1,13 @@
-"""Makes the importer importable, and sources of every kind out of a few frames of the sample."""
+"""Sources of every kind out of a few frames of the sample."""
 
 import pathlib
 import subprocess
 import sys
 
 import pytest
+from made_sources import SAMPLE
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
-from made_sources import SAMPLE
 
 
 @pytest.fixture(scope="session")

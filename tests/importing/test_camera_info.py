@@ -46,16 +46,16 @@ def test_rectified_pictures_have_the_numbers_of_p():
     (info((1280, 960), 888.9, (639.5, 479.5), k=[1.0]), "K has 1 numbers, needed are 9"),
 ], ids=["K of the binned picture", "K of the region", "size of the region", "no matrix"])
 def test_what_does_not_fit_together_is_refused(message, says):
-    from polhode_ground.importing.camera_info import lens_of_info
     from polhode_ground.common.errors import BadInput
+    from polhode_ground.importing.camera_info import lens_of_info
     with pytest.raises(BadInput, match=says):
         lens_of_info(message, False, "/info")
 
 
 def test_pictures_of_another_size_than_region_and_binning_make_are_refused():
+    from polhode_ground.common.errors import BadInput
     from polhode_ground.importing.camera_info import lens_of_info
     from polhode_ground.importing.lens import scaled_to
-    from polhode_ground.common.errors import BadInput
     lens = lens_of_info(info((1280, 960), 888.9, (639.5, 479.5), binning=2), False, "/info")
     assert scaled_to(lens, 641, 480, "/info")[0].width_px == 641  # a driver that rounds up
     with pytest.raises(BadInput, match="binning 2x2 of 1280x960 makes pictures of 640x480, but they are 320x240: give --intrinsics"):

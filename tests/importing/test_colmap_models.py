@@ -32,9 +32,8 @@ def test_the_largest_is_taken_and_the_others_are_told(tmp_path, binary):
 
 
 def test_of_two_that_are_equal_the_user_chooses(tmp_path):
-    from polhode_ground.importing.colmap_project import largest_model
-
     from polhode_ground.common.errors import BadInput
+    from polhode_ground.importing.colmap_project import largest_model
     write_model(tmp_path / "sparse/0", 4)
     write_model(tmp_path / "sparse/1", 4)
     other = tmp_path / "sparse/1/images.txt"
@@ -92,8 +91,8 @@ def test_names_with_blanks_and_of_any_encoding(project, tmp_path_factory):
 @pytest.mark.parametrize(("name", "octets", "says"), [("cameras", -12, "cameras.bin is cut: it has 52 octets, its cameras need 64"), ("cameras", 20, "cut"),
                                                       ("images", -8, "images.bin is cut or damaged"), ("images", 100, "cut or damaged"), ("images", 3, "cut or")])
 def test_files_that_end_early_are_refused(project, name, octets, says):
-    from polhode_ground.importing.colmap_library import read_project
     from polhode_ground.common.errors import BadInput
+    from polhode_ground.importing.colmap_library import read_project
     file = project[0] / f"{name}.bin"
     file.write_bytes(file.read_bytes()[:octets])
     with pytest.raises(BadInput, match=says):

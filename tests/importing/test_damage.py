@@ -121,10 +121,9 @@ def test_a_complaint_is_heard_again_in_the_next_file(tmp_path):
     (b"", "an empty file"), (b"hello, this is text\n" * 20, "its content is not what its name says"),
     (b"\0\0\0\x20ftypisom" + bytes(20) + b"\0\0\x10\0mdat" + bytes(4000), "its index, the box moov, is missing: the recording was not closed")])
 def test_files_that_are_named_like_a_video(tmp_path, content, says):
+    from polhode_ground.common.errors import BadInput
     from polhode_ground.importing.recognise import open_source
     from polhode_ground.importing.source import Options
-
-    from polhode_ground.common.errors import BadInput
     (tmp_path / "clip.mp4").write_bytes(content)
     with pytest.raises(BadInput, match=says):
         open_source(tmp_path / "clip.mp4", Options())

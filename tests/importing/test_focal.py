@@ -64,8 +64,8 @@ def test_too_few_frames_are_refused(run, tmp_path):
 
 
 def test_estimating_again_replaces_what_was_written(tmp_path):
-    from polhode_ground.importing.focal import write
     from polhode_ground.common.sequence import read_sequence
+    from polhode_ground.importing.focal import write
     folder = without_focal_length(SAMPLE, tmp_path / "SEQ")
     shutil.copy(folder / "mav0/cam0/sensor.yaml", tmp_path / "before")
     sensor, camera = folder / "mav0/cam0/sensor.yaml", read_sequence(folder, any_lens=True).camera

@@ -4,9 +4,9 @@
 import subprocess
 
 import cv2
+import made_sources as sources
 import numpy as np
 import pytest
-import made_sources as sources
 from made_sources import REPOSITORY
 
 MATRIX = np.array([[500.0, 0, 310], [0, 505, 230], [0, 0, 1]])
@@ -85,8 +85,8 @@ def test_a_file_without_size_or_model_says_what_it_is_taken_for(tmp_path):
     (KALIBR.replace("0.001, -0.0005", "0.001"), "cam0", "3 distortion coefficients"),
 ])
 def test_files_that_cannot_be_used(tmp_path, text, camera, says):
-    from polhode_ground.importing.calibration_files import read_lens
     from polhode_ground.common.errors import BadInput
+    from polhode_ground.importing.calibration_files import read_lens
     (tmp_path / "calibration.yaml").write_text(text)
     with pytest.raises(BadInput, match="calibration.yaml") as caught:
         read_lens(tmp_path / "calibration.yaml", camera)
@@ -101,9 +101,9 @@ def test_a_lens_beyond_the_programs_range_is_none_of_its_own():
 
 # verifies: GND-03
 def test_another_camera_of_the_chain_is_named_where_its_size_fits(tmp_path):
+    from polhode_ground.common.errors import BadInput
     from polhode_ground.importing.calibration_files import read_lens
     from polhode_ground.importing.lens import scaled_to
-    from polhode_ground.common.errors import BadInput
     second = KALIBR.split("cam1")[0].replace("cam0", "cam1").replace("[640, 480]", "[752, 480]")
     (tmp_path / "chain.yaml").write_text(KALIBR.split("cam1")[0] + second)
     first, other = (read_lens(tmp_path / "chain.yaml", camera) for camera in ("cam0", "cam1"))

@@ -2,14 +2,13 @@
 
 import numpy as np
 import pytest
+from PIL import Image
+from polhode_ground.common.errors import BadInput
 from polhode_ground.importing.picture_list import in_ns
 from polhode_ground.importing.plan import Part, Plan
 from polhode_ground.importing.recognise import open_source
 from polhode_ground.importing.source import Account, Options
 from polhode_ground.importing.stamps import judge
-from PIL import Image
-
-from polhode_ground.common.errors import BadInput
 
 NS = 1_000_000_000
 STEP = 50_000_000

@@ -7,13 +7,13 @@ import cv2
 import made_sources as sources
 import numpy as np
 import pytest
+from PIL import Image
+from polhode_ground.common.errors import BadInput
+from polhode_ground.common.mosaic import contrast_of, without_mosaic
 from polhode_ground.importing.decoding import decode, frame_levels
 from polhode_ground.importing.formats import kind_of
 from polhode_ground.importing.levels import Levels
 from polhode_ground.importing.source import Account, Frame
-from polhode_ground.common.errors import BadInput
-from polhode_ground.common.mosaic import contrast_of, without_mosaic
-from PIL import Image
 
 SHAPE = (48, 64)
 GRAY = np.linspace(0, 255, SHAPE[0] * SHAPE[1]).round().astype(np.uint8).reshape(SHAPE)

@@ -4,9 +4,9 @@ import json
 import subprocess
 import sys
 
+import made_sources as sources
 import numpy as np
 import pytest
-import made_sources as sources
 from made_sources import INTRINSICS, REPOSITORY, SAMPLE
 from PIL import Image
 

@@ -8,9 +8,9 @@ import shutil
 import subprocess
 
 import pytest
+from polhode_ground.checking import golden
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
-from polhode_ground.checking import golden
 
 PROGRAM = pathlib.Path(os.environ.get("POLHODE_PROGRAM", REPOSITORY / "build/release/bin/polhode"))
 PACKAGES = REPOSITORY / "build/packages"

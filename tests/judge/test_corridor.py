@@ -9,9 +9,9 @@ import sys
 
 import numpy as np
 import pytest
+from polhode_ground.common.tables import read_motion
 from polhode_ground.judge import align
 from polhode_ground.judge.aligned import align_last
-from polhode_ground.common.tables import read_motion
 from polhode_ground.reporting.corridor import open_spans, read_corridor
 from polhode_ground.testing.synthetic import write_acquired
 

@@ -7,11 +7,11 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from polhode_ground.judge.shape import read_cloud
-from polhode_ground.common.tables import read_motion
-from polhode_ground.common.venv import REPOSITORY
 from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
+from polhode_ground.common.tables import read_motion
+from polhode_ground.common.venv import REPOSITORY
+from polhode_ground.judge.shape import read_cloud
 from polhode_ground.testing.synthetic import FOCAL_PX, START_NS, write_acquired
 
 FRAMES = 20

@@ -6,10 +6,10 @@ import subprocess
 import sys
 
 import pytest
+from PIL import Image
 from polhode_ground.common.errors import BadInput
 from polhode_ground.common.program import PROGRAM
 from polhode_ground.common.whole_file import MARK, beside, claim_folder, write_whole
-from PIL import Image
 from polhode_ground.testing.synthetic import write_acquired
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]

@@ -7,10 +7,10 @@ import sys
 
 import numpy as np
 import pytest
+from PIL import Image, PngImagePlugin
 from polhode_ground.common.levels import depth_for, significant_bits, viewable
 from polhode_ground.common.sequence import Camera, Sequence, read_json
 from polhode_ground.common.venv import REPOSITORY
-from PIL import Image, PngImagePlugin
 from polhode_ground.transforms.footage import write_sensor_yaml
 
 GRAY = np.linspace(0, 255, 48 * 64).round().astype(np.uint8).reshape(48, 64)

@@ -7,8 +7,8 @@ import sys
 
 import numpy as np
 import pytest
-from polhode_ground.common.sequence import read_sequence
 from PIL import Image
+from polhode_ground.common.sequence import read_sequence
 from polhode_ground.testing.synthetic import Errors, tumbling_body, write_acquired, write_run
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]

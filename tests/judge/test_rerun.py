@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from polhode_ground.common.tables import read_motion
 from polhode_ground.common.venv import REPOSITORY
-from scipy.spatial.transform import Rotation
 from polhode_ground.testing.synthetic import START_NS, Errors, tumbling_body, write_acquired, write_run
+from scipy.spatial.transform import Rotation
 
 NEEDS_RERUN = pytest.mark.skipif(importlib.util.find_spec("rerun") is None, reason="rerun-sdk is not installed: tools/setup.sh extras")
 

@@ -8,11 +8,11 @@ import sys
 import numpy as np
 import pytest
 from polhode_ground.common.errors import BadInput
-from polhode_ground.judge.shape import load_ply, property_of
 from polhode_ground.common.venv import REPOSITORY
+from polhode_ground.judge.shape import load_ply, property_of
 from polhode_ground.reporting import surface
-from scipy.spatial import ConvexHull, cKDTree
 from polhode_ground.testing.synthetic import BOX_M, Errors, box_points, tumbling_body, write_run
+from scipy.spatial import ConvexHull, cKDTree
 
 NEEDS_COLMAP = pytest.mark.skipif(not (REPOSITORY / ".venv-colmap/bin/python3").exists(), reason="pycolmap is not installed: tools/setup.sh colmap")
 
@@ -101,8 +101,8 @@ def call(*arguments):
 
 
 def test_lines_of_sight_end_at_the_camera(tmp_path):
-    from polhode_ground.judge import align
     from polhode_ground.common.tables import read_motion
+    from polhode_ground.judge import align
     run = made_run(tmp_path / "run")
     from_T, to_T = surface.lines_of_sight(run)
     assert len(from_T) == 12 * 54  # six of 60 observations a frame are outliers

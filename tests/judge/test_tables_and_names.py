@@ -8,11 +8,11 @@ import subprocess
 
 import numpy as np
 import pytest
+from PIL import Image
 from polhode_ground.common.errors import BadInput
 from polhode_ground.common.program import PROGRAM
 from polhode_ground.common.sequence import read_sequence
 from polhode_ground.common.venv import own_environment
-from PIL import Image
 from polhode_ground.testing.synthetic import write_acquired
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]

@@ -6,10 +6,10 @@ import sys
 
 import numpy as np
 import pytest
+from polhode_ground.common.tables import read_motion
 from polhode_ground.judge import align
 from polhode_ground.judge.aligned import align_last
 from polhode_ground.judge.run import read_run
-from polhode_ground.common.tables import read_motion
 from polhode_ground.judge.trajectory import tum_text
 from polhode_ground.testing.synthetic import Errors, tumbling_body, write_run, write_sequence
 

@@ -8,11 +8,11 @@ import time
 import types
 
 import pytest
+from polhode_ground.testing.replay_files import DEFAULTS, PROGRAM
+from polhode_ground.testing.sequence_writer import SequenceWriter, textured
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 
-from polhode_ground.testing.replay_files import DEFAULTS, PROGRAM
-from polhode_ground.testing.sequence_writer import SequenceWriter, textured
 
 
 def pytest_collection_modifyitems(config, items):

@@ -15,10 +15,10 @@ from importlib.metadata import version
 
 import numpy as np
 import pytest
-from polhode_ground.busgen.table import read_table
-from polhode_ground.common.errors import BadInput
 from PIL import Image
 from polhode_bus import Packet, open_bus
+from polhode_ground.busgen.table import read_table
+from polhode_ground.common.errors import BadInput
 from polhode_ground.testing.replay_files import REPOSITORY
 from polhode_ground.watching import body, state, words
 from polhode_ground.watching.feed import Feed, check_address, open_address

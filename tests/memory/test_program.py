@@ -6,11 +6,11 @@ import subprocess
 
 import numpy
 import pytest
+from polhode_ground.testing.replay_files import DEFAULTS, PROGRAM
+from polhode_ground.testing.sequence_writer import SequenceWriter, textured
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 
-from polhode_ground.testing.replay_files import DEFAULTS, PROGRAM
-from polhode_ground.testing.sequence_writer import SequenceWriter, textured
 
 pytestmark = pytest.mark.skipif(not PROGRAM.exists(), reason=f"{PROGRAM} is not built")
 

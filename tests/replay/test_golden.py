@@ -5,10 +5,8 @@ import subprocess
 import sys
 
 import pytest
-from polhode_ground.testing.replay_files import REPOSITORY
-
-
 from polhode_ground.checking import golden
+from polhode_ground.testing.replay_files import REPOSITORY
 
 
 # verifies: CMP-01

@@ -8,7 +8,6 @@ from PIL import Image
 from polhode_ground.testing.replay_files import REPOSITORY, SAMPLE, motion_rows, summary
 from polhode_ground.testing.sequence_writer import HEIGHT, WIDTH, SequenceWriter, textured
 
-
 FRAMES = 20
 STEPS = [{"kind": "own_structure", "reach_part": 0.3}, {"kind": "caption", "height_part": 0.06}]
 

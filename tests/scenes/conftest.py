@@ -1,8 +1,4 @@
-"""Makes the scene generator importable; its numerical parts need no Blender."""
-
-from pathlib import Path
-
-ROOT = Path(__file__).resolve().parents[2]
+"""The scene generator's numerical parts need no Blender."""
 
 
 def pytest_configure(config):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from polhode_ground.scenes import mesh, surfaces, noise
+from polhode_ground.scenes import mesh, noise, surfaces
 from polhode_ground.scenes.targets import box, cubesat, damaged_cube, upper_stage
 
 BUILDERS = {"box": box, "cubesat": cubesat, "damaged_cube": damaged_cube, "upper_stage": upper_stage}

@@ -8,11 +8,11 @@ import subprocess
 import sys
 
 import pytest
+from polhode_ground.website.links import dead_links
+from polhode_ground.website.pages import copy_pages, documents_of
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 
-from polhode_ground.website.links import dead_links
-from polhode_ground.website.pages import copy_pages, documents_of
 
 NEEDED = {"doxygen": shutil.which("doxygen")} | {name: importlib.util.find_spec(name) for name in ("sphinx", "myst_parser", "breathe")}
 MISSING = [name for name, found in NEEDED.items() if not found]

@@ -4,11 +4,9 @@ import json
 import subprocess
 
 import pytest
-from source_tree import REPOSITORY
-
-
 from polhode_ground.checking.coverage_table import read_summary, table
 from polhode_ground.common.errors import BadInput
+from source_tree import REPOSITORY
 
 
 def counts(name, lines, line_total, branches, branch_total):

@@ -6,8 +6,8 @@ import numpy as np
 import trimesh
 from polhode_ground.common.fault_log import LogEntry
 from polhode_ground.common.sequence import Camera
-from scipy.spatial.transform import Rotation
 from polhode_ground.transforms.footage import Footage, Shot, write_footage
+from scipy.spatial.transform import Rotation
 
 FRAMES, PERIOD_S, START_NS = 40, 0.5, 1_700_000_000_000_000_000
 PLATE_M = (0.9, 0.7, 0.02)

@@ -6,8 +6,8 @@ import subprocess
 import numpy
 import pytest
 from polhode_ground.common.fault_log import LOG_FILE, read_log
-from polhode_ground.judge.faulted import COUNTER_OF, judge_faulted
 from polhode_ground.common.sequence import read_sequence
+from polhode_ground.judge.faulted import COUNTER_OF, judge_faulted
 from polhode_ground.transforms.camera_faults import plan
 from polhode_ground.transforms.table import transform
 

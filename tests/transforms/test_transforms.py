@@ -11,11 +11,11 @@ import dotted
 import numpy as np
 import pytest
 import trimesh
-from polhode_ground.judge import align
 from polhode_ground.common.errors import BadInput
 from polhode_ground.common.fault_log import LOG_FILE, read_log
 from polhode_ground.common.sequence import read_sequence
 from polhode_ground.common.tables import read_motion
+from polhode_ground.judge import align
 from polhode_ground.transforms.footage import read_footage
 from polhode_ground.transforms.table import KINDS, options_of, transform
 
