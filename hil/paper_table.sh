@@ -52,7 +52,7 @@ run_case() {
   "$here/hil/render_scene.sh" "$scene" "$sequence" "${variant[@]}" \
     || fail "$name: rendering failed; if the scene file has changed since, remove $sequence" 1
   local scale=()
-  mapfile -t scale < <("$python" "$here/hil/judge/paper.py" scale "$sequence")
+  mapfile -t scale < <("$python" -m polhode_ground.judge.paper scale "$sequence")
   [ "${#scale[@]}" -gt 1 ] || { scale=(); say "$name: no known length is seen well, so the scale comes from the alignment"; }
   say "$name: replay into $out"
   "$polhode" replay --config "$here/config/default.toml" --sequence "$sequence" --out "$out" "${scale[@]}" "${settings[@]}" \
@@ -69,5 +69,5 @@ for one in $cases; do
   reports[index]="$cache/replays/paper_$one$suffix.json"
 done
 say "the paper's figures beside ours${suffix:+ (small variants)}"
-"$python" "$here/hil/judge/paper.py" table "${reports[@]}"
+"$python" -m polhode_ground.judge.paper table "${reports[@]}"
 echo "The judge's full tables are beside the replays: $cache/replays/paper_*$suffix.txt"

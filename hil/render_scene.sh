@@ -20,5 +20,5 @@ fi
 # Our own lines go to stderr; stdout carries only Blender's greeting.
 # Blender takes the libraries of the first Python in PATH, and numpy is beside the distribution's own.
 blender=$(command -v blender)
-PATH="/usr/bin:/bin:$PATH" exec "$blender" --background --factory-startup --python-exit-code 1 \
-  --python "$here/scenes/generator/main.py" -- "$@" >/dev/null
+PATH="/usr/bin:/bin:$PATH" PYTHONPATH="$here/../tools" exec "$blender" --background --factory-startup --python-use-system-env \
+  --python-exit-code 1 --python-expr "from polhode_ground.scenes.main import main; main()" -- "$@" >/dev/null

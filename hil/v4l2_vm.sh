@@ -21,7 +21,7 @@ hil/v4l2/setup_vm.sh || exit 1
 mkdir -p build/v4l2_vm/bin
 cp --remove-destination build/release/bin/polhode build/release/bin/filecam_feed build/v4l2_vm/bin/ || exit 1
 rm -rf build/v4l2_vm/sequences
-.venv/bin/python hil/v4l2/sequences.py build/v4l2_vm/sequences || exit 1
+.venv/bin/python -m polhode_ground.v4l2.sequences build/v4l2_vm/sequences || exit 1
 
 jobs=("$@")
 [ "${#jobs[@]}" -gt 0 ] || for file in hil/v4l2/jobs/*.sh; do jobs+=("$(basename "$file" .sh)"); done
@@ -37,7 +37,7 @@ for job in "${jobs[@]}"; do
   hil/v4l2/boot.sh "hil/v4l2/jobs/$job.sh" "$out" "$TIMEOUT_S"
   status=$?
   if [ $status -eq 0 ]; then
-    .venv/bin/python hil/v4l2/judge.py "$job" "$out" >> "$out/told.txt" || status=1
+    .venv/bin/python -m polhode_ground.v4l2.judge "$job" "$out" >> "$out/told.txt" || status=1
   fi
   printf '%-14s %-6s %4d s\n' "$job" "$([ $status -eq 0 ] && echo passed || echo FAILED)" $(($(date +%s) - before))
   [ -f "$out/told.txt" ] && sed 's/^/    /' "$out/told.txt"

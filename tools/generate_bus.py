@@ -11,10 +11,10 @@ import argparse
 import pathlib
 import sys
 
+from polhode_ground.busgen import c_client, ccsdspy_csv, cpp, display, document, python_client, xtce, xtce_commands
+from polhode_ground.busgen.table import TableError, read_table
+
 REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(REPOSITORY / "tools"))
-from busgen import c_client, ccsdspy_csv, cpp, display, document, python_client, xtce, xtce_commands  # noqa: E402
-from busgen.table import TableError, read_table  # noqa: E402
 
 WRITER = b"tools/generate_bus.py"  # stands in each document
 

@@ -17,7 +17,7 @@ say "2 of 5: the program (four to eight minutes on two cores, seconds where it i
 tools/build.sh release polhode
 
 # One known edge of the target gives metres; without it the results are in map units.
-mapfile -t scale < <(.venv/bin/python hil/judge/paper.py scale "$SEQUENCE")
+mapfile -t scale < <(.venv/bin/python -m polhode_ground.judge.paper scale "$SEQUENCE")
 say "3 of 5: replay of $SEQUENCE ${scale[*]} (ten seconds)"
 build/release/bin/polhode replay --config config/default.toml --sequence "$SEQUENCE" --out "$OUT" "${scale[@]}"
 

@@ -1,56 +1,7 @@
 #!/usr/bin/env -S python3 -Es -X utf8
-"""Writes the bill of materials of a built program: CycloneDX 1.6, JSON.
+"""Writes the bill of materials of a built program: CycloneDX 1.6, JSON."""
 
-Listed with version and licence, from this machine's own records:
-  - the Debian package of every library that the program loads, directly or by way of others, and which of them loads which
-  - the header-only libraries that are compiled into it
-  - every Python requirement of the tools (tools/requirements*.txt), and what those that are installed ask for
-
-Examples:
-  tools/sbom.py --out polhode.cdx.json
-  tools/sbom.py --program build/flight-aarch64/bin/polhode --out polhode.cdx.json
-"""
-
-import argparse
-import importlib.util
-import pathlib
-import re
-import sys
-
-REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(REPOSITORY / "hil"))
-from judge.errors import BadInput  # noqa: E402
-from judge.venv import enter_venv, run_main  # noqa: E402
-
-PROGRAM = REPOSITORY / "build/release/bin/polhode"
-
-
-def bill_of(program: pathlib.Path) -> str:
-    if not importlib.util.find_spec("cyclonedx"):
-        raise BadInput("cyclonedx-python-lib is not installed; tools/setup.sh tests installs it")
-    from materials.bill import write_bill
-    from materials.debian import compiled_in, loaded_by
-    from materials.python import requirements
-
-    libraries = loaded_by(program)
-    version = re.search(r'kVersion = "([\d.]+)"', (REPOSITORY / "fsw/pipeline/component.hpp").read_text()).group(1)
-    return write_bill(version, libraries, compiled_in(), requirements(sorted((REPOSITORY / "tools").glob("requirements*.txt"))))
-
-
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--program", type=pathlib.Path, default=PROGRAM, help="default: build/release/bin/polhode")
-    parser.add_argument("--out", type=pathlib.Path, required=True, metavar="FILE.json")
-    arguments = parser.parse_args()
-    if not arguments.program.is_file():
-        raise BadInput(f"{arguments.program}: no such program; tools/build.sh makes it")
-    if not arguments.out.parent.is_dir():
-        raise BadInput(f"--out: {arguments.out.parent}: no such folder")
-    from judge.whole_file import check_replaceable, write_whole
-    check_replaceable(arguments.out)
-    enter_venv()
-    write_whole(arguments.out, bill_of(arguments.program.resolve()))
-
+from polhode_ground.materials.sbom import command
 
 if __name__ == "__main__":
-    run_main(main, "sbom")
+    command()

@@ -25,6 +25,7 @@ LIBRARIES=(
 )
 TEST_TOOLS=(clang-format clang-tidy strace systemd valgrind)
 TEST_LIBRARIES=(libgtest-dev)
+OWN_PACKAGES=(tools platform/transport/client/python)
 # Kept apart from the build: Blender is large, and COLMAP is only there to be compared with.
 RENDERER_PACKAGES=(blender python3-numpy)
 COLMAP_PACKAGES=(python3 python3-venv)
@@ -76,6 +77,27 @@ install_python_side() {
   [ -x "$venv/bin/pip" ] || /usr/bin/python3 -m venv "$venv"
   "$venv/bin/python" -m pip install --disable-pip-version-check --progress-bar off -r "$requirements"
   cp "$requirements" "$stamp"
+}
+
+# The project's own packages, as links to their folders: a change there needs no second call.
+install_own_packages() {
+  local stamp=.venv/.installed-own
+  if cat "${OWN_PACKAGES[@]/%//pyproject.toml}" | cmp -s - "$stamp"; then
+    say "python: own packages are up to date"
+    return
+  fi
+  say "python: linking ${OWN_PACKAGES[*]} into .venv"
+  .venv/bin/python -m pip install --disable-pip-version-check --progress-bar off --no-index --no-build-isolation --no-deps "${OWN_PACKAGES[@]/#/--editable=}"
+  cat "${OWN_PACKAGES[@]/%//pyproject.toml}" > "$stamp"
+}
+
+# install_project REQUIREMENTS...: into .venv, with what every command needs
+install_project() {
+  local requirements
+  for requirements in tools/requirements.txt "$@"; do
+    install_python_side .venv "$requirements"
+  done
+  install_own_packages
 }
 
 # apt_arm64 FOLDER ARGUMENTS: apt for a machine of that architecture on which nothing is installed, as far as FOLDER knows.
@@ -144,26 +166,21 @@ make_sysroot() {
 case ${1:-} in
   "")
     install_packages "${TOOLS[@]}" "${LIBRARIES[@]}"
-    install_python_side .venv tools/requirements.txt ;;
+    install_project ;;
   tests)
     install_packages "${TOOLS[@]}" "${LIBRARIES[@]}" "${TEST_TOOLS[@]}" "${TEST_LIBRARIES[@]}"
-    install_python_side .venv tools/requirements.txt
-    install_python_side .venv tools/requirements-tests.txt
-    install_python_side .venv tools/requirements-campaign.txt ;;
+    install_project tools/requirements-tests.txt tools/requirements-campaign.txt ;;
   renderer)
     install_packages "${RENDERER_PACKAGES[@]}" ;;
   campaign)
     install_packages python3 python3-venv
-    install_python_side .venv tools/requirements.txt
-    install_python_side .venv tools/requirements-campaign.txt ;;
+    install_project tools/requirements-campaign.txt ;;
   extras)
     install_packages python3 python3-venv
-    install_python_side .venv tools/requirements.txt
-    install_python_side .venv tools/requirements-extras.txt ;;
+    install_project tools/requirements-extras.txt ;;
   site)
     install_packages "${SITE_PACKAGES[@]}"
-    install_python_side .venv tools/requirements.txt
-    install_python_side .venv tools/requirements-site.txt ;;
+    install_project tools/requirements-site.txt ;;
   browser)
     install_packages "${BROWSER_PACKAGES[@]}" ;;
   packages)

@@ -24,7 +24,7 @@ constexpr std::array<double, 8> kExposures{0.05, 0.2, 0.5, 1.0, 2.0, 4.0, 8.0, 3
 constexpr double kGamma = 2.2;
 constexpr double kUnit_s = 0.01;  // exposure that gives the sequence as it is
 
-/// The response of the rendered scenes (hil/scenes/generator/sensor.py): a power law with a
+/// The response of the rendered scenes (tools/polhode_ground/scenes/sensor.py): a power law with a
 /// straight foot. Light of 1 is full scale.
 struct Response {
   static constexpr double kFoot = 0.004;

@@ -5,15 +5,13 @@ import os
 import pathlib
 import re
 import subprocess
-import sys
 
 import pytest
+from polhode_ground.checking import check_budgets
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 PROGRAM = pathlib.Path(os.environ.get("POLHODE_PROGRAM", REPOSITORY / "build/release/bin/polhode"))
-sys.path.insert(0, str(REPOSITORY / "tools"))
 
-import check_budgets  # noqa: E402
 
 pytestmark = pytest.mark.skipif(not PROGRAM.exists(), reason=f"{PROGRAM} is not built")
 FOUND = {"resident": 60, "allowed": 64, "overdrawn": 0, **dict.fromkeys(check_budgets.MEASURES, 1.0)}

@@ -1,16 +1,9 @@
 """The tools that measure cost and compare streams: on made-up input whose answer is known."""
 
-import pathlib
-import sys
 
 import pytest
-
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools"))
-
-import benchmark_table  # noqa: E402
-import first_difference  # noqa: E402
-import instruction_counts  # noqa: E402
-import scale_sequence  # noqa: E402
+from polhode_ground.checking import benchmark_table, first_difference, instruction_counts
+from polhode_ground.importing import scale_sequence
 
 PACKETS = [{"frame": 0, "mode": "acquiring", "q_CT": [1.0, 0.0, 0.0, 0.0]}, {"frame": 1, "mode": "tracking", "q_CT": [0.6, 0.8, 0.0, 0.0]}]
 

@@ -4,17 +4,14 @@ import pathlib
 import subprocess
 import sys
 
+import cv2
 import numpy
 import pytest
-
-cv2 = pytest.importorskip("cv2")
+import rendered_boards as rendered
+from polhode_ground.calibration.boards import Board
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(REPOSITORY / "tools"))
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 
-import rendered_boards as rendered  # noqa: E402
-from calibration.boards import Board  # noqa: E402
 
 COLUMNS, ROWS, SQUARE_M = 10, 7, 0.03
 TOOL = [sys.executable, REPOSITORY / "tools/calibrate_camera.py", "--squares", f"{COLUMNS}x{ROWS}", "--square-m", str(SQUARE_M)]
@@ -115,7 +112,6 @@ def test_unusable_arguments(arguments):
 @pytest.mark.further
 def test_a_video_of_the_board_does_as_well(tmp_path):
     """Each picture for two frames: of 18 frames all are looked at, and the codec moves corners by little."""
-    sys.path.insert(0, str(REPOSITORY / "tests/importing"))
     from made_sources import write_video
     files = take_pictures(tmp_path, "chessboard")
     frames = [cv2.imread(str(file), cv2.IMREAD_GRAYSCALE) for file in files for _ in range(2)]

@@ -4,10 +4,10 @@ import pathlib
 import shutil
 
 import pytest
-from campaigns.book import open_book
-from campaigns.plan import read_plan
-from campaigns.store import Store, folder_digest
-from judge.errors import BadInput
+from polhode_ground.campaigns.book import open_book
+from polhode_ground.campaigns.plan import read_plan
+from polhode_ground.campaigns.store import Store, folder_digest
+from polhode_ground.common.errors import BadInput
 
 PLAN = 'sequences = ["hil/data/sample"]\n[[configurations]]\nname = "default"\nfile = "{config}"\n[[transforms]]\nname = "coarse"\n' \
        'steps = [{{kind = "jpeg", quality = {quality}}}]\n[scenes]\ndraws = 1\nseed = {seed}\n[judge]\nshape = {shape}\n'
@@ -76,7 +76,7 @@ def test_no_program_is_told(files):
 
 
 def test_the_limit_is_asked_of_the_sequence_and_not_of_the_program(files, monkeypatch):
-    from campaigns import book
+    from polhode_ground.campaigns import book
     monkeypatch.setattr(book, "LIMIT_PROGRAM", files / "limit")
     with pytest.raises(BadInput, match="tools/build.sh release builds it"):
         chains(files, shape="true\nlimit = true")
@@ -94,7 +94,7 @@ def test_the_limit_is_asked_of_the_sequence_and_not_of_the_program(files, monkey
     ({"acquired": False, "first_pose_frame": None}, {"frame": 4, "turn_deg": 8.0}, float("inf")),
     ({"acquired": False, "first_pose_frame": None}, {"frame": None, "turn_deg": None}, None)])
 def test_a_run_is_late_against_its_limit_only_where_there_is_one(row, limit, late):
-    from campaigns.results import _against_limit
+    from polhode_ground.campaigns.results import _against_limit
     columns = _against_limit(row, limit)
     assert columns.get("first_pose_after_limit_frames") == late
     assert columns["decidable"] == (late is not None) and ("acquired_of_decidable" in columns) == (late is not None)

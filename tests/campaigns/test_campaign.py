@@ -13,8 +13,8 @@ import time
 
 import pyarrow.parquet
 import pytest
-from campaigns import results
-from judge.venv import REPOSITORY
+from polhode_ground.campaigns import results
+from polhode_ground.common.venv import REPOSITORY
 
 PROGRAM = REPOSITORY / "build/release/bin/polhode"
 PLAN = """

@@ -7,14 +7,13 @@ import sys
 import time
 
 import pytest
-from judge.venv import REPOSITORY
+from polhode_ground.common.venv import REPOSITORY
 
 PROGRAM = REPOSITORY / "build/release/bin/polhode"
 SAMPLE = REPOSITORY / "hil/data/sample"
 RUNS = 6
 PLAN = 'sequences = ["hil/data/sample"]\nuntransformed = false\n[judge]\nshape = false\ntime_alone = false\n' + "".join(
     f'[[transforms]]\nname = "few_{seed}"\nseed = {seed}\nsteps = [{{ kind = "missing", fraction = 0.8 }}]\n' for seed in range(RUNS))
-ENVIRONMENT = {**os.environ, "PYTHONPATH": str(REPOSITORY / "hil")}
 
 pytestmark = [pytest.mark.slow, pytest.mark.further, pytest.mark.skipif(not PROGRAM.exists(), reason=f"{PROGRAM} is not built")]
 
@@ -31,9 +30,9 @@ def dask_cluster(tmp_path):
     log = open(tmp_path / "cluster.log", "w")
     file = tmp_path / "scheduler.json"
     scheduler = subprocess.Popen([sys.executable, "-m", "distributed.cli.dask_scheduler", "--port", "0", "--no-dashboard", "--scheduler-file", file],
-                                 stdout=log, stderr=log, env=ENVIRONMENT)
+                                 stdout=log, stderr=log)
     workers = [subprocess.Popen([sys.executable, "-m", "distributed.cli.dask_worker", "--scheduler-file", file, "--nthreads", "1", "--no-dashboard",
-                                 "--death-timeout", "20", "--local-directory", tmp_path / "dask"], stdout=log, stderr=log, env=ENVIRONMENT)
+                                 "--death-timeout", "20", "--local-directory", tmp_path / "dask"], stdout=log, stderr=log)
                for _ in range(2)]
     until = time.monotonic() + 30
     while not file.exists() or not file.read_text():
@@ -93,7 +92,7 @@ def test_slurm_jobs_do_the_work(tmp_path):
     log = tmp_path / "job.log"
     assert done.returncode == 0 and f"judge {RUNS}/{RUNS}" in done.stderr, done.stderr + (log.read_text() if log.exists() else "")
     script = (tmp_path / "job_script").read_text()
-    assert "#SBATCH -p nodes" in script and "#SBATCH -A debris" in script and f"export PYTHONPATH={REPOSITORY / 'hil'}" in script
+    assert "#SBATCH -p nodes" in script and "#SBATCH -A debris" in script and "PYTHONPATH" not in script
 
 
 @pytest.mark.parametrize(("text", "says"), [("jobs = 1\n", "allowed are jobs, a whole number, and a table [cluster]"),

@@ -3,11 +3,11 @@
 import numpy as np
 import pyarrow.parquet
 import pytest
-from campaigns import measures
-from campaigns.measures import longest_run, measure, turned_deg, write_result
-from judge.tables import read_motion
+from polhode_ground.campaigns import measures
+from polhode_ground.campaigns.measures import longest_run, measure, turned_deg, write_result
+from polhode_ground.common.tables import read_motion
+from polhode_ground.testing.synthetic import Errors, tumbling_body, write_run, write_sequence
 from scipy.spatial.transform import Rotation
-from synthetic import Errors, tumbling_body, write_run, write_sequence
 
 
 @pytest.fixture(scope="module")

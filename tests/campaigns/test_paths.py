@@ -5,15 +5,15 @@ import pathlib
 
 import numpy as np
 import pytest
-from campaigns.book import open_book
-from campaigns.plan import read_plan
-from campaigns.store import Store
-from campaigns.tasks import perform
-from judge.errors import BadInput
-from judge.sequence import Camera, read_sequence
-from paths.boxes import Box, picture
-from paths.draw import draw_path, random_path
-from paths.flight import random_flight
+from polhode_ground.campaigns.book import open_book
+from polhode_ground.campaigns.plan import read_plan
+from polhode_ground.campaigns.store import Store
+from polhode_ground.campaigns.tasks import perform
+from polhode_ground.common.errors import BadInput
+from polhode_ground.common.sequence import Camera, read_sequence
+from polhode_ground.paths.boxes import Box, picture
+from polhode_ground.paths.draw import draw_path, random_path
+from polhode_ground.paths.flight import random_flight
 from scipy.spatial.transform import Rotation
 
 CAMERA = Camera(160, 120, np.array([200.0, 200.0, 79.5, 59.5]), np.zeros(4))

@@ -1,10 +1,10 @@
 """Plans are read whole or refused with file, key and what is allowed."""
 
 import pytest
-from campaigns.plan import read_plan
-from campaigns.store import digest
-from judge.errors import BadInput
-from judge.venv import REPOSITORY
+from polhode_ground.campaigns.plan import read_plan
+from polhode_ground.campaigns.store import digest
+from polhode_ground.common.errors import BadInput
+from polhode_ground.common.venv import REPOSITORY
 
 SCENES = "[scenes]\ndraws = 2\nseed = 1\n"
 

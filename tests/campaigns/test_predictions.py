@@ -4,10 +4,10 @@ import json
 
 import numpy as np
 import pytest
-from campaigns.predictions import Predicted, body_points, judge_points, points_nees, truth_later
-from judge import align
-from judge.tables import read_motion
-from judge.venv import REPOSITORY
+from polhode_ground.campaigns.predictions import Predicted, body_points, judge_points, points_nees, truth_later
+from polhode_ground.common.tables import read_motion
+from polhode_ground.common.venv import REPOSITORY
+from polhode_ground.judge import align
 from scipy.spatial.transform import Rotation
 
 SAMPLE = REPOSITORY / "hil/data/sample"

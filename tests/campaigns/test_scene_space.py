@@ -5,10 +5,10 @@ import tomllib
 
 import numpy as np
 import pytest
-from campaigns.plan import scene_toml
-from campaigns.scene_space import BODY_RADIUS, SPACE, Choice, Picture, Range, narrowed, points, scene_of
-from generator import mesh, pipeline, scene_file
-from judge.errors import BadInput
+from polhode_ground.campaigns.plan import scene_toml
+from polhode_ground.campaigns.scene_space import BODY_RADIUS, SPACE, Choice, Picture, Range, narrowed, points, scene_of
+from polhode_ground.common.errors import BadInput
+from polhode_ground.scenes import mesh, pipeline, scene_file
 
 SEEDS = (1, 36, 77)
 # What the room of a laboratory decides for itself.

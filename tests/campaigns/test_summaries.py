@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from campaigns import summaries
-from campaigns.summaries import NEVER, Measure
+from polhode_ground.campaigns import summaries
+from polhode_ground.campaigns.summaries import NEVER, Measure
 
 SHARE = Measure("acquired", "acquired", "share", 1, 100)
 COVERAGE = Measure("coverage", "coverage", "mean", 1, 100, never=0.0)

@@ -9,9 +9,8 @@ import textwrap
 import time
 
 import pytest
-from campaigns import store, tasks
-from campaigns.tasks import Outcome, Task
-from judge.venv import REPOSITORY
+from polhode_ground.campaigns import store, tasks
+from polhode_ground.campaigns.tasks import Outcome, Task
 
 
 def task(tmp_path, kind="replay", name="run", **options):
@@ -75,9 +74,8 @@ def test_leftovers_of_the_dead_are_removed(tmp_path):
 def test_a_full_disk_is_told_and_takes_nothing_that_was_done(tmp_path):
     """A file system of 64 kB of its own, in a namespace of its own."""
     script = textwrap.dedent(f"""
-        import pathlib, sys
-        sys.path.insert(0, {str(REPOSITORY / "hil")!r})
-        from campaigns import store, tasks
+        import pathlib
+        from polhode_ground.campaigns import store, tasks
         place = pathlib.Path({str(tmp_path)!r}) / "small"
         tasks.MAKERS["replay"] = lambda task, lock: fill(task)
         def fill(task):
@@ -101,7 +99,7 @@ def test_a_full_disk_is_told_and_takes_nothing_that_was_done(tmp_path):
 def test_a_killed_worker_takes_its_programs_with_it(tmp_path):
     marker = f"{os.getpid()}.25"
     one = replay_of(tmp_path, f"exec sleep {marker}")
-    script = (f"import sys; sys.path.insert(0, {str(REPOSITORY / 'hil')!r})\nimport pathlib\nfrom campaigns import tasks\n"
+    script = ("import pathlib\nfrom polhode_ground.campaigns import tasks\n"
               f"P = pathlib.Path\ntasks.perform(tasks.{one!r})").replace("PosixPath", "P")
     worker = subprocess.Popen([sys.executable, "-c", script])
 

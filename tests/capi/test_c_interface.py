@@ -9,12 +9,10 @@ import sys
 
 import numpy
 import pytest
+from polhode_ctypes import Camera, Component, Input, Octets, Output, load, packets_of
+from polhode_ground.checking import golden
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(REPOSITORY / "platform/capi/example"))
-sys.path.insert(0, str(REPOSITORY / "tools"))
-import golden  # noqa: E402
-from polhode_ctypes import Camera, Component, Input, Octets, Output, load, packets_of  # noqa: E402
 
 BUILD = pathlib.Path(os.environ.get("POLHODE_BUILD", REPOSITORY / "build/release"))
 LIBRARY = BUILD / "platform/libpolhode.so"

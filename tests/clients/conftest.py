@@ -3,7 +3,9 @@
 import pathlib
 
 import pytest
-from flights import PROGRAM, damaged, flight  # noqa: F401: fixtures
+from flights import PROGRAM, damaged, flight
+
+__all__ = ["damaged", "flight"]  # fixtures
 
 
 def pytest_collection_modifyitems(items):

@@ -5,7 +5,6 @@ import os
 import pathlib
 import shutil
 import subprocess
-import sys
 import types
 
 import numpy
@@ -17,7 +16,6 @@ CLIENT = REPOSITORY / "platform/transport/client"
 XTCE = REPOSITORY / "config/bus/polhode.xtce.xml"
 FRAMES = 24
 KINDS = ["motion", "model", "prediction", "shape", "housekeeping", "event", "cloud"]  # that a replay sends
-sys.path[:0] = [str(CLIENT / "python"), str(REPOSITORY / "tools")]
 
 COMMANDS = """\
 {0} noop
@@ -111,7 +109,7 @@ def expect_rows(found: list[dict], rows: list[dict]) -> None:
 
 def flat(packet) -> dict:
     """Values of a packet of the Python client by the flat names of XTCE and CSV; zeros where a flag is down, numbers for words."""
-    from busgen.table import read_table
+    from polhode_ground.busgen.table import read_table
 
     layout = read_table(REPOSITORY / "config/bus").packet(packet.name)
     values = {}

@@ -124,7 +124,7 @@ def test_alarms_stand_where_the_field_table_has_them(telemetry):
 @pytest.mark.parametrize(("old", "new"), [
     ('at = ["LOST"]', 'at = ["GONE"]'), ("{ above = 0 }", "{ below = 0 }"), ("alarm = { warning", "alarm = { bad"), ('names = "commands"', 'names = "orders"')])
 def test_an_alarm_or_a_name_that_the_table_does_not_know_is_refused(tmp_path, old, new):
-    from busgen.table import TableError, read_table
+    from polhode_ground.busgen.table import TableError, read_table
 
     for file in (REPOSITORY / "config/bus").glob("*.toml"):
         assert file.name != "telemetry.toml" or old in file.read_text()

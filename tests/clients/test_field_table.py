@@ -5,8 +5,7 @@ import sys
 
 import pytest
 from flights import CLIENT, REPOSITORY
-
-from busgen.table import TableError, read_table
+from polhode_ground.busgen.table import TableError, read_table
 
 
 # verifies: BUS-07

@@ -2,8 +2,7 @@
 
 import fastcrc
 from flights import split
-from spacepackets.ccsds.spacepacket import (PacketId, PacketType, SequenceFlags, SpacePacketHeader,
-                                            parse_space_packets)
+from spacepackets.ccsds.spacepacket import PacketId, PacketType, SequenceFlags, SpacePacketHeader, parse_space_packets
 
 APID_FIRST, KINDS = 0x1A0, 8
 IDS = [PacketId(PacketType.TM, True, APID_FIRST + number) for number in range(KINDS)]

@@ -27,9 +27,8 @@ import tempfile
 import time
 from concurrent.futures import ProcessPoolExecutor
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-from mutations import spoilt  # noqa: E402
-from readers import SANITIZERS, Reader, all_readers, sequence  # noqa: E402
+from mutations import spoilt
+from readers import SANITIZERS, Reader, all_readers, sequence
 
 MEMORY_MAX_KB = 1_000_000
 STATUS_MAX = 3

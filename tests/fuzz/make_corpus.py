@@ -1,13 +1,11 @@
-#!/usr/bin/env -S python3 -Es -X utf8
 """Writes the fixed corpus of the command fuzz target: a good command of each code, and ones that are nearly right."""
 
 import pathlib
 import struct
-import sys
+
+from polhode_bus import crc16, make_command, make_table_activate, make_table_load
 
 HERE = pathlib.Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE.parents[1] / "platform/transport/client/python"))
-from polhode_bus import crc16, make_command, make_table_activate, make_table_load  # noqa: E402
 
 LOAD = {"features.count_max": 500, "features.sigma_px": 0.3, "mask.enabled": True}
 

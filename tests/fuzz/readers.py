@@ -11,14 +11,13 @@ import sys
 import zlib
 
 import numpy
+from mutations import checkpoint_sums, recording_sums
 from PIL import Image
+from polhode_ground.testing.replay_files import DEFAULTS, PROGRAM
+from polhode_ground.testing.sequence_writer import HEIGHT, WIDTH, SequenceWriter, textured
 
 HERE = pathlib.Path(__file__).resolve().parent
 REPOSITORY = HERE.parents[1]
-sys.path[:0] = [str(HERE.parent / "replay"), str(HERE.parent / "judge"), str(REPOSITORY / "hil")]
-from mutations import checkpoint_sums, recording_sums  # noqa: E402
-from replay_files import DEFAULTS, PROGRAM  # noqa: E402
-from sequence_writer import HEIGHT, WIDTH, SequenceWriter, textured  # noqa: E402
 
 FRAMES = 3
 
@@ -90,7 +89,7 @@ def surface_readers(folder: pathlib.Path) -> list[Reader]:
     """tools/surface.py on the clouds of a run; none where pycolmap is not installed, which it would fetch."""
     if not (REPOSITORY / ".venv-colmap/bin/python3").exists():
         return []
-    from synthetic import Errors, tumbling_body, write_run
+    from polhode_ground.testing.synthetic import Errors, tumbling_body, write_run
     run = write_run(folder / "judged", tumbling_body(frames=6), Errors())
     count = 300
     normals = numpy.random.default_rng(1).normal(size=(count, 3)).astype(numpy.float32)

@@ -1,15 +1,11 @@
 """Spoilt inputs to every reader, a few of each; tests/fuzz/drive.py gives as many as are asked for."""
 
-import pathlib
 import subprocess
 import sys
 
 import pytest
-
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-
-from drive import drive, execute, fault_of, form_of, report  # noqa: E402
-from readers import PROGRAM, REPOSITORY, all_readers  # noqa: E402
+from drive import drive, execute, fault_of, form_of, report
+from readers import PROGRAM, REPOSITORY, all_readers
 
 COLMAP = REPOSITORY / ".venv-colmap/bin/python3"
 

@@ -5,17 +5,17 @@ import pathlib
 import signal
 import socket
 import subprocess
-import sys
 import time
 import types
 import urllib.error
 import urllib.request
 
 import pytest
+from flights import damaged, flight
+
+__all__ = ["damaged", "flight"]  # fixtures
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(REPOSITORY / "tests/clients"), str(REPOSITORY / "platform/transport/client/python")]
-from flights import damaged, flight  # noqa: E402, F401: fixtures
 
 TM, TC, HTTP, PAGE = 20015, 20016, 20090, 20091
 

@@ -11,8 +11,8 @@ import tomllib
 import types
 
 import pytest
-from conftest import HTTP, PAGE, REPOSITORY, TC, TM, wait_until
 from browser import open_page
+from conftest import HTTP, PAGE, REPOSITORY, TC, TM, wait_until
 
 pytestmark = pytest.mark.further
 

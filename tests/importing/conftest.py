@@ -1,20 +1,18 @@
-"""Makes the importer importable, and sources of every kind out of a few frames of the sample."""
+"""Sources of every kind out of a few frames of the sample."""
 
 import pathlib
 import subprocess
 import sys
 
 import pytest
+from made_sources import SAMPLE
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
-for folder in ("hil", "tools", "tests/importing"):
-    sys.path.insert(0, str(REPOSITORY / folder))
-from made_sources import SAMPLE  # noqa: E402
 
 
 @pytest.fixture(scope="session")
 def sample():
-    from judge.sequence import read_sequence
+    from polhode_ground.common.sequence import read_sequence
     return read_sequence(SAMPLE)
 
 
@@ -30,7 +28,7 @@ def run():
 def imported(run, tmp_path):
     """(the sequence that was made, standard output) of a call that must end well."""
     def call(source, *arguments, name="SEQ"):
-        from judge.sequence import read_sequence
+        from polhode_ground.common.sequence import read_sequence
         done = run(source, tmp_path / name, *arguments)
         assert done.returncode == 0, done.stderr
         return read_sequence(tmp_path / name), done.stdout

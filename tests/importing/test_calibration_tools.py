@@ -1,9 +1,9 @@
 """Calibrations of other tools, under other names and in other encodings, come out the same or are refused for the right reason."""
 
 import pytest
-from importing.arguments import lens_of_numbers
-from importing.calibration_files import read_lens
-from judge.errors import BadInput
+from polhode_ground.common.errors import BadInput
+from polhode_ground.importing.arguments import lens_of_numbers
+from polhode_ground.importing.calibration_files import read_lens
 
 SIZE = "image_width: 640\nimage_height: 480\n"
 MATRIX = "camera_matrix: [[500.0, 0, 310], [0, 505, 230], [0, 0, 1]]\n"

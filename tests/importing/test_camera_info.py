@@ -26,14 +26,14 @@ def info(sensor, focal_px, centre, binning=0, roi=(0, 0, 0, 0), **more):
     info((1322, 1022), 1777.8, (681.5, 541.5), binning=2, roi=(42, 62, 0, 0)),
 ], ids=["region", "region of another shape", "binning", "both", "region to the sensor's end"])
 def test_region_and_binning_move_the_principal_point(message):
-    from importing.camera_info import lens_of_info
+    from polhode_ground.importing.camera_info import lens_of_info
     lens = lens_of_info(message, False, "/info")
     assert lens.intrinsics_px == pytest.approx(NEEDED) and (lens.width_px, lens.height_px) == (640, 480)
     assert "roi" in lens.notes[0] and "intrinsics 888.9" in lens.notes[0]
 
 
 def test_rectified_pictures_have_the_numbers_of_p():
-    from importing.camera_info import lens_of_info
+    from polhode_ground.importing.camera_info import lens_of_info
     message = info((1280, 960), 1.0, (2.0, 3.0), roi=(281, 161, 640, 480), p=[888.9, 0, 600.5, 0, 0, 888.9, 400.5, 0, 0, 0, 1, 0], d=[-0.2, 0, 0, 0, 0])
     lens = lens_of_info(message, True, "/info")
     assert lens.intrinsics_px == pytest.approx(NEEDED) and not any(lens.coefficients)
@@ -46,16 +46,16 @@ def test_rectified_pictures_have_the_numbers_of_p():
     (info((1280, 960), 888.9, (639.5, 479.5), k=[1.0]), "K has 1 numbers, needed are 9"),
 ], ids=["K of the binned picture", "K of the region", "size of the region", "no matrix"])
 def test_what_does_not_fit_together_is_refused(message, says):
-    from importing.camera_info import lens_of_info
-    from judge.errors import BadInput
+    from polhode_ground.common.errors import BadInput
+    from polhode_ground.importing.camera_info import lens_of_info
     with pytest.raises(BadInput, match=says):
         lens_of_info(message, False, "/info")
 
 
 def test_pictures_of_another_size_than_region_and_binning_make_are_refused():
-    from importing.camera_info import lens_of_info
-    from importing.lens import scaled_to
-    from judge.errors import BadInput
+    from polhode_ground.common.errors import BadInput
+    from polhode_ground.importing.camera_info import lens_of_info
+    from polhode_ground.importing.lens import scaled_to
     lens = lens_of_info(info((1280, 960), 888.9, (639.5, 479.5), binning=2), False, "/info")
     assert scaled_to(lens, 641, 480, "/info")[0].width_px == 641  # a driver that rounds up
     with pytest.raises(BadInput, match="binning 2x2 of 1280x960 makes pictures of 640x480, but they are 320x240: give --intrinsics"):
@@ -111,9 +111,9 @@ def test_the_shape_of_pixels_is_the_container_s(imported, tmp_path):
 
 
 def test_the_shape_of_pixels_is_the_picture_s(tmp_path):
-    from importing.pictures import pixel_aspect
-    from importing.pixel_shape import aspect_of
-    from importing.writing import centred, write_sensor
+    from polhode_ground.importing.pictures import pixel_aspect
+    from polhode_ground.importing.pixel_shape import aspect_of
+    from polhode_ground.importing.writing import centred, write_sensor
     for name, density, aspect in (("a.png", (100, 75), 3 / 4), ("b.jpg", (75, 75), 1.0), ("c.jpg", (75, 100), 4 / 3)):
         Image.fromarray(PICTURE).save(tmp_path / name, dpi=density)
         with Image.open(tmp_path / name) as picture:
@@ -129,8 +129,8 @@ def test_the_shape_of_pixels_is_the_picture_s(tmp_path):
 
 def test_a_focal_length_of_stretched_pixels_is_two(tmp_path):
     """The pictures are made square for the estimate, and its one focal length is taken back to both axes."""
-    from importing import focal, pixel_shape
-    from importing.writing import centred, write_sensor
+    from polhode_ground.importing import focal, pixel_shape
+    from polhode_ground.importing.writing import centred, write_sensor
     Image.fromarray(PICTURE[:, :480].copy()).save(tmp_path / "1.png")
     pixel_shape.stretch(tmp_path, ["1.png"], pixel_shape.stretch_of(4 / 3))
     with Image.open(tmp_path / "1.png") as picture:
@@ -145,7 +145,7 @@ def test_a_focal_length_of_stretched_pixels_is_two(tmp_path):
 @pytest.mark.parametrize("before", ["auto  # fu, fv, cu, cv [px]; the centre of the top-left pixel is (0, 0)", "[1, 1, 2, 2]", "\n- 1\n- 1\n- 2\n- 2", "[1, 1, 2, 2] # old"])
 def test_an_estimate_leaves_a_file_that_can_be_read_and_estimated_again(before):
     import yaml
-    from importing.focal import with_intrinsics
+    from polhode_ground.importing.focal import with_intrinsics
     text = f"sensor_type: camera\nintrinsics: {before}\ndistortion_model: radial-tangential\n"
     for focal in (300, 400):
         text = with_intrinsics(text, f"focal length estimated: {focal}", f"[{focal}, {focal}, 3, 4]", 1.0)

@@ -3,12 +3,11 @@
 import made_sources as sources
 import numpy as np
 import pytest
-from importing.plan import Part, Plan
-from importing.recognise import open_source
-from importing.source import Options
 from made_sources import NS
-
-from judge.errors import BadInput
+from polhode_ground.common.errors import BadInput
+from polhode_ground.importing.plan import Part, Plan
+from polhode_ground.importing.recognise import open_source
+from polhode_ground.importing.source import Options
 
 COUNT = 8
 START = 1_700_000_000 * NS

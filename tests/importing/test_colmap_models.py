@@ -21,7 +21,7 @@ def write_model(folder, count: int, binary: bool = False) -> None:
 # verifies: GND-03
 @pytest.mark.parametrize("binary", [True, False])
 def test_the_largest_is_taken_and_the_others_are_told(tmp_path, binary):
-    from importing.colmap_project import largest_model
+    from polhode_ground.importing.colmap_project import largest_model
     for name, count in (("0", 3), ("1", 40), ("2", 5)):
         write_model(tmp_path / "sparse" / name, count, binary)
     folder, said = largest_model(tmp_path)
@@ -32,9 +32,8 @@ def test_the_largest_is_taken_and_the_others_are_told(tmp_path, binary):
 
 
 def test_of_two_that_are_equal_the_user_chooses(tmp_path):
-    from importing.colmap_project import largest_model
-
-    from judge.errors import BadInput
+    from polhode_ground.common.errors import BadInput
+    from polhode_ground.importing.colmap_project import largest_model
     write_model(tmp_path / "sparse/0", 4)
     write_model(tmp_path / "sparse/1", 4)
     other = tmp_path / "sparse/1/images.txt"
@@ -44,7 +43,7 @@ def test_of_two_that_are_equal_the_user_chooses(tmp_path):
 
 
 def test_a_copy_of_a_model_is_no_question(tmp_path):
-    from importing.colmap_project import largest_model
+    from polhode_ground.importing.colmap_project import largest_model
     write_model(tmp_path / "sparse/0", 4)
     write_model(tmp_path / "sparse/1", 4)
     assert largest_model(tmp_path)[0] == tmp_path / "sparse/0"
@@ -52,7 +51,7 @@ def test_a_copy_of_a_model_is_no_question(tmp_path):
 
 @pytest.mark.parametrize("place", ["sparse/0", "sparse", "dense/sparse", "dense/0/sparse", "colmap/sparse/0", "0", "."])
 def test_models_are_found_where_tools_put_them(tmp_path, place):
-    from importing.colmap_project import model_folder
+    from polhode_ground.importing.colmap_project import model_folder
     assert model_folder(tmp_path) is None
     if place == ".":
         write_model(tmp_path / "sparse/0", 1)
@@ -78,7 +77,7 @@ NAMES = [f"my picture \udcfc{i}.png" for i in (1, 2, 3)]
 @pytest.mark.further
 @with_colmap
 def test_names_with_blanks_and_of_any_encoding(project, tmp_path_factory):
-    from importing.colmap_library import read_project
+    from polhode_ground.importing.colmap_library import read_project
     assert [image["name"] for image in read_project(project[0])["images"]] == NAMES
     text = tmp_path_factory.mktemp("text")
     (text / "cameras.txt").write_bytes(b"1 PINHOLE 640 480 500 500 320 240\r\n")
@@ -92,8 +91,8 @@ def test_names_with_blanks_and_of_any_encoding(project, tmp_path_factory):
 @pytest.mark.parametrize(("name", "octets", "says"), [("cameras", -12, "cameras.bin is cut: it has 52 octets, its cameras need 64"), ("cameras", 20, "cut"),
                                                       ("images", -8, "images.bin is cut or damaged"), ("images", 100, "cut or damaged"), ("images", 3, "cut or")])
 def test_files_that_end_early_are_refused(project, name, octets, says):
-    from importing.colmap_library import read_project
-    from judge.errors import BadInput
+    from polhode_ground.common.errors import BadInput
+    from polhode_ground.importing.colmap_library import read_project
     file = project[0] / f"{name}.bin"
     file.write_bytes(file.read_bytes()[:octets])
     with pytest.raises(BadInput, match=says):
@@ -101,7 +100,7 @@ def test_files_that_end_early_are_refused(project, name, octets, says):
 
 
 def test_names_that_windows_wrote(tmp_path):
-    from importing.colmap_project import _with_slashes
+    from polhode_ground.importing.colmap_project import _with_slashes
     (tmp_path / "images/a").mkdir(parents=True)
     (tmp_path / "images/a/1.png").touch()
     images = [{"name": "a\\1.png", "camera": "1"}]

@@ -58,8 +58,8 @@ def spoilt(packet, place: float):
 
 def read(path, **options):
     """(pixels by number of the frame, what was dropped, all that is said)."""
-    from importing.recognise import open_source
-    from importing.source import Options
+    from polhode_ground.importing.recognise import open_source
+    from polhode_ground.importing.source import Options
     source = open_source(path, Options(**options))
     frames = list(source.frames)
     times = [frame.timestamp_ns for frame in frames]
@@ -121,10 +121,9 @@ def test_a_complaint_is_heard_again_in_the_next_file(tmp_path):
     (b"", "an empty file"), (b"hello, this is text\n" * 20, "its content is not what its name says"),
     (b"\0\0\0\x20ftypisom" + bytes(20) + b"\0\0\x10\0mdat" + bytes(4000), "its index, the box moov, is missing: the recording was not closed")])
 def test_files_that_are_named_like_a_video(tmp_path, content, says):
-    from importing.recognise import open_source
-    from importing.source import Options
-
-    from judge.errors import BadInput
+    from polhode_ground.common.errors import BadInput
+    from polhode_ground.importing.recognise import open_source
+    from polhode_ground.importing.source import Options
     (tmp_path / "clip.mp4").write_bytes(content)
     with pytest.raises(BadInput, match=says):
         open_source(tmp_path / "clip.mp4", Options())
@@ -157,8 +156,8 @@ def test_a_rate_for_a_video_that_tells_its_times_is_left_out(tmp_path):
 
 def test_frames_that_nobody_asked_for_are_no_loss(tmp_path):
     """The decoder holds some back when the reader stops early."""
-    from importing.recognise import open_source
-    from importing.source import Options
+    from polhode_ground.importing.recognise import open_source
+    from polhode_ground.importing.source import Options
     source = open_source(write(tmp_path / "clip.mkv", "h264_b"), Options())
     for _ in range(5):
         next(source.frames)
@@ -186,7 +185,7 @@ def test_what_an_edit_list_leaves_out_is_said(tmp_path):
 
 
 def test_of_interlaced_frames_one_field_is_taken():
-    from importing.video import first_field
+    from polhode_ground.importing.shown import first_field
     rows = np.array([[0], [99], [20], [99], [41], [99]], np.uint8)
     assert first_field(rows).ravel().tolist() == [0, 10, 20, 31, 41, 41]
     assert first_field(rows[:5]).ravel().tolist() == [0, 10, 20, 31, 41]
@@ -253,8 +252,8 @@ def test_the_rate_that_is_told_is_that_of_the_times(tmp_path):
         for number in range(6):
             container.mux(stream.encode(av.VideoFrame.from_ndarray(np.full((576, 720), 30 * number, np.uint8), format="gray").reformat(format="yuv420p")))
         container.mux(stream.encode(None))
-    from importing.recognise import open_source
-    from importing.source import Options
+    from polhode_ground.importing.recognise import open_source
+    from polhode_ground.importing.source import Options
     source = open_source(tmp_path / "clip.dv", Options())
     assert source.kind == "video, dvvideo, 720x576, 25 frames/s" and np.diff(source.times_ns).tolist() == [40_000_000] * 5
 
@@ -270,7 +269,7 @@ def test_animated_pictures_are_videos(tmp_path, name):
 
 def test_complaints_beside_the_picture_are_none():
     import av.logging as log
-    from importing.packets import complaint
+    from polhode_ground.importing.packets import complaint
     assert complaint([(log.ERROR, "mjpeg", "unable to decode APP fields: Invalid data\n"), (log.ERROR, "h264", "SEI type 5 size 2208 truncated at 2200\n"),
                       (log.WARNING, "mjpeg", "EOI missing, emulating\n"), (log.DEBUG, "h264", "nal_unit_type: 1\n")]) == ""
     assert complaint([(log.INFO, "h264", "concealing 12 DC, 12 AC, 12 MV errors in P frame\n")]) == "h264: concealing 12 DC, 12 AC, 12 MV errors in P frame"

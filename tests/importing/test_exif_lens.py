@@ -3,10 +3,9 @@
 import made_sources as sources
 import numpy as np
 import pytest
-from importing.pictures import exif_lens
 from PIL import Image
-
-from judge.errors import BadInput
+from polhode_ground.common.errors import BadInput
+from polhode_ground.importing.pictures import exif_lens
 
 FOCAL_PX = 888.89  # 8.8889 mm at 100 pixels per mm, of 640x480
 

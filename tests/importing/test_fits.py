@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-from importing.decoding import read_picture
-from importing.recognise import open_source
-from importing.source import Options
-
-from judge.errors import BadInput
+from polhode_ground.common.errors import BadInput
+from polhode_ground.importing.decoding import read_picture
+from polhode_ground.importing.recognise import open_source
+from polhode_ground.importing.source import Options
 
 fits = pytest.importorskip("astropy.io.fits")
 LEVELS = np.arange(48, dtype=np.uint16).reshape(6, 8) * 1000

@@ -26,7 +26,7 @@ def without_focal_length(source: pathlib.Path, folder: pathlib.Path, frames: int
 
 def estimated(run, folder):
     """(focal length, sigma) as they were written."""
-    from judge.sequence import read_sequence
+    from polhode_ground.common.sequence import read_sequence
     done = run(folder, "--intrinsics", "auto")
     assert done.returncode == 0, done.stderr
     assert "1 sigma" in done.stdout
@@ -64,8 +64,8 @@ def test_too_few_frames_are_refused(run, tmp_path):
 
 
 def test_estimating_again_replaces_what_was_written(tmp_path):
-    from importing.focal import write
-    from judge.sequence import read_sequence
+    from polhode_ground.common.sequence import read_sequence
+    from polhode_ground.importing.focal import write
     folder = without_focal_length(SAMPLE, tmp_path / "SEQ")
     shutil.copy(folder / "mav0/cam0/sensor.yaml", tmp_path / "before")
     sensor, camera = folder / "mav0/cam0/sensor.yaml", read_sequence(folder, any_lens=True).camera

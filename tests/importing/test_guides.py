@@ -53,7 +53,7 @@ def original(tmp_path_factory):
 
 
 def speeds(run: pathlib.Path):
-    from judge.tables import read_motion
+    from polhode_ground.common.tables import read_motion
     motion = read_motion(run / "motion_smoothed.csv")
     assert motion.rate_valid.all()
     return np.linalg.norm(motion.w_T, axis=1), motion.columns["sigma_rate_rad_s"]

@@ -3,11 +3,10 @@
 import made_sources as sources
 import numpy as np
 import pytest
-from importing.recognise import open_source
-from importing.source import Options
 from made_sources import NS
-
-from judge.errors import BadInput
+from polhode_ground.common.errors import BadInput
+from polhode_ground.importing.recognise import open_source
+from polhode_ground.importing.source import Options
 
 PICTURES = [np.full((48, 64), 20 * i, np.uint8) for i in range(8)]
 CODECS = {"flv": "flv1", "wmv": "wmv2", "avi": "mjpeg", "y4m": "wrapped_avframe"}

@@ -78,8 +78,8 @@ def compare(undistorter, expected):
     ("omni", omni, (1.2, -0.1, 0.02, 0.001, -0.001)), ("ds", double_sphere, (-0.2, 0.59)), ("eucm", unified, (0.6, 1.1)),
 ], ids=["5", "rational", "thin prism", "tilted", "equidistant", "fov", "omni", "double sphere", "eucm"])
 def test_pictures_are_taken_from_where_the_model_sees_them(name, formula, coefficients):
-    from importing.lens import lens_of
-    from importing.undistorting import Undistorter
+    from polhode_ground.importing.lens import lens_of
+    from polhode_ground.importing.undistorting import Undistorter
     lens = lens_of(640, 480, INTRINSICS, name, coefficients, "file")
     compare(Undistorter(lens, "file"), lambda x, y: pixels(formula(x, y, *coefficients)))
 
@@ -103,7 +103,7 @@ print(json.dumps([known, places]))"""
 @pytest.mark.further
 @pytest.mark.skipif(not (REPOSITORY / ".venv-colmap/bin/python3").exists(), reason="COLMAP is not set up: tools/setup.sh colmap")
 def test_colmap_sees_with_each_of_its_models_what_we_do():
-    from importing.colmap_lens import lens_of_camera
+    from polhode_ground.importing.colmap_lens import lens_of_camera
     v, u = (part.ravel() for part in np.mgrid[-0.6:0.6:9j, -0.8:0.8:9j])
     rays = np.column_stack([u, v, np.ones(len(u))])
     done = subprocess.run([REPOSITORY / ".venv-colmap/bin/python3", "-c", ASK, json.dumps(BY_COLMAP)], input=json.dumps(rays.tolist()),
@@ -116,8 +116,8 @@ def test_colmap_sees_with_each_of_its_models_what_we_do():
 
 
 def test_a_model_that_folds_back_is_followed_to_the_fold_only():
-    from importing.lens import lens_of
-    from importing.undistorting import Undistorter
+    from polhode_ground.importing.lens import lens_of
+    from polhode_ground.importing.undistorting import Undistorter
     fold = 1 / np.sqrt(3 * 0.5)  # where r (1 - 0.5 r^2) is largest
     # With k3, however small, the lens is none of those that stay as they are.
     undistorter = Undistorter(lens_of(640, 480, INTRINSICS, "", (-0.5, 0, 0, 0, 1e-18), "file"), "file")
@@ -128,15 +128,15 @@ def test_a_model_that_folds_back_is_followed_to_the_fold_only():
 
 
 def test_a_lens_that_sees_behind_itself_keeps_what_a_plane_can_hold():
-    from importing.lens import lens_of
-    from importing.undistorting import Undistorter
+    from polhode_ground.importing.lens import lens_of
+    from polhode_ground.importing.undistorting import Undistorter
     fu, fv, _, _ = Undistorter(lens_of(1000, 1000, (250, 250, 499.5, 499.5), "equidistant", (), "file"), "file").lens.intrinsics_px
     assert 2 * np.degrees(np.arctan(499.5 / fu)) == pytest.approx(118, abs=0.5) and fu == pytest.approx(fv)
 
 
 def test_a_region_far_from_the_axis_is_undistorted_where_it_is():
-    from importing.lens import lens_of
-    from importing.undistorting import Undistorter
+    from polhode_ground.importing.lens import lens_of
+    from polhode_ground.importing.undistorting import Undistorter
     lens = lens_of(640, 480, (900, 900, -300, 700), "", (-0.1, 0.01, 0, 0, 0.02), "file")
     fu, fv, cu, cv = Undistorter(lens, "file").lens.intrinsics_px
     middle = lens.project(np.array([[(319.5 - cu) / fu, (239.5 - cv) / fv, 1]]))[0]

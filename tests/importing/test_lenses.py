@@ -4,9 +4,9 @@
 import subprocess
 
 import cv2
+import made_sources as sources
 import numpy as np
 import pytest
-import made_sources as sources
 from made_sources import REPOSITORY
 
 MATRIX = np.array([[500.0, 0, 310], [0, 505, 230], [0, 0, 1]])
@@ -52,7 +52,7 @@ WRITTEN = {"kalibr.yaml": KALIBR, "ros.yaml": ROS, "printed.yaml": PRINTED}
 
 @pytest.mark.parametrize("name", ["calib.xml", "calib.yml", "calib.json", *WRITTEN])
 def test_files_of_all_kinds_say_the_same(tmp_path, name):
-    from importing.calibration_files import read_lens
+    from polhode_ground.importing.calibration_files import read_lens
     if name.startswith("calib"):
         write_opencv(tmp_path / name)
     else:
@@ -63,7 +63,7 @@ def test_files_of_all_kinds_say_the_same(tmp_path, name):
 
 
 def test_a_file_without_size_or_model_says_what_it_is_taken_for(tmp_path):
-    from importing.calibration_files import read_lens
+    from polhode_ground.importing.calibration_files import read_lens
     np.savez(tmp_path / "calib.npz", mtx=MATRIX, dist=np.array([RADTAN5[:4]]))
     lens = read_lens(tmp_path / "calib.npz")
     assert lens.intrinsics_px == (500, 505, 310, 230) and lens.width_px == 0
@@ -85,8 +85,8 @@ def test_a_file_without_size_or_model_says_what_it_is_taken_for(tmp_path):
     (KALIBR.replace("0.001, -0.0005", "0.001"), "cam0", "3 distortion coefficients"),
 ])
 def test_files_that_cannot_be_used(tmp_path, text, camera, says):
-    from importing.calibration_files import read_lens
-    from judge.errors import BadInput
+    from polhode_ground.common.errors import BadInput
+    from polhode_ground.importing.calibration_files import read_lens
     (tmp_path / "calibration.yaml").write_text(text)
     with pytest.raises(BadInput, match="calibration.yaml") as caught:
         read_lens(tmp_path / "calibration.yaml", camera)
@@ -94,16 +94,16 @@ def test_files_that_cannot_be_used(tmp_path, text, camera, says):
 
 
 def test_a_lens_beyond_the_programs_range_is_none_of_its_own():
-    from importing.lens import lens_of
+    from polhode_ground.importing.lens import lens_of
     assert lens_of(640, 480, (5e4, 5e4, 320, 240), "radtan", (-9, 0, 0, 0), "file").native
     assert not lens_of(640, 480, (5e4, 5e4, 320, 240), "radtan", (-300, 0, 0, 0), "file").native
 
 
 # verifies: GND-03
 def test_another_camera_of_the_chain_is_named_where_its_size_fits(tmp_path):
-    from importing.calibration_files import read_lens
-    from importing.lens import scaled_to
-    from judge.errors import BadInput
+    from polhode_ground.common.errors import BadInput
+    from polhode_ground.importing.calibration_files import read_lens
+    from polhode_ground.importing.lens import scaled_to
     second = KALIBR.split("cam1")[0].replace("cam0", "cam1").replace("[640, 480]", "[752, 480]")
     (tmp_path / "chain.yaml").write_text(KALIBR.split("cam1")[0] + second)
     first, other = (read_lens(tmp_path / "chain.yaml", camera) for camera in ("cam0", "cam1"))
@@ -172,7 +172,7 @@ def test_other_distortions_are_taken_out_of_the_pictures(imported, tmp_path, mod
     ("RADIAL_FISHEYE", [500, 320, 240, -0.1, 0.02], False, (500, 500, 319.5, 239.5)),
 ])
 def test_cameras_of_colmap(model, params, native, expected):
-    from importing.colmap_lens import lens_of_camera
+    from polhode_ground.importing.colmap_lens import lens_of_camera
     lens = lens_of_camera({"model": model, "width": 640, "height": 480, "params": params}, "project")
     assert lens.native is native and lens.intrinsics_px == expected
     if "RADIAL" in model or "OPENCV" in model:
@@ -180,8 +180,8 @@ def test_cameras_of_colmap(model, params, native, expected):
 
 
 def test_a_camera_for_each_picture_becomes_one():
-    from importing.colmap_lens import with_one_camera
-    from importing.source import Account
+    from polhode_ground.importing.colmap_lens import with_one_camera
+    from polhode_ground.importing.source import Account
     cameras = {str(i): {"model": "SIMPLE_RADIAL", "width": 640, "height": 480, "params": [f, 320, 240, 0.01]} for i, f in enumerate((890, 900, 905))}
     images = [{"name": f"{i}.png", "camera": str(i)} for i in range(3)]
     account = Account()

@@ -2,14 +2,13 @@
 
 import numpy as np
 import pytest
-from importing.picture_list import in_ns, read_list
-from importing.plan import Part, Plan
-from importing.recognise import open_source
-from importing.source import Account, Options
-from importing.stamps import judge
 from PIL import Image
-
-from judge.errors import BadInput
+from polhode_ground.common.errors import BadInput
+from polhode_ground.importing.picture_list import in_ns
+from polhode_ground.importing.plan import Part, Plan
+from polhode_ground.importing.recognise import open_source
+from polhode_ground.importing.source import Account, Options
+from polhode_ground.importing.stamps import judge
 
 NS = 1_000_000_000
 STEP = 50_000_000
@@ -148,7 +147,7 @@ def test_the_truth_of_a_source_comes_along_and_others_are_told(run, tmp_path):
 
 
 def test_pictures_that_repeat_are_told():
-    from importing.repeats import Repeats
+    from polhode_ground.importing.repeats import Repeats
     rng = np.random.default_rng(2)
     film = [rng.integers(0, 255, (48, 64), np.uint8) for _ in range(25)]
     for pictures, says in ((film, ""), ([film[i * 4 // 5] for i in range(25)], "5 of 25 pictures repeat the one before, one of 5 as if made of a lower rate, first picture 2"),

@@ -2,17 +2,15 @@
 
 import json
 
+import made_sources as sources
 import numpy as np
 import pytest
-import made_sources as sources
-from importing import colmap_project, video
-from importing.numbering import frame_numbers
-from importing.plan import NOT_DECODED, Part, Plan
-from importing.recognise import open_source
-from importing.source import Account, Frame, Options, Source
-from importing.stamps import find_gaps
-
-from judge.errors import BadInput
+from polhode_ground.common.errors import BadInput
+from polhode_ground.importing import colmap_project, video
+from polhode_ground.importing.numbering import frame_numbers
+from polhode_ground.importing.plan import NOT_DECODED, Part, Plan
+from polhode_ground.importing.source import Account, Frame, Options, Source
+from polhode_ground.importing.stamps import find_gaps
 
 NS = sources.NS
 COUNT = 40
@@ -208,8 +206,9 @@ def test_links_to_nothing_are_lost_once(tmp_path, run, broken, exif):
 
 def write_avi(path, shown):
     """MJPEG whose other places are empty, as a recorder leaves them that dropped frames."""
-    import av
     import fractions
+
+    import av
     with av.open(str(path), "w") as container:
         stream = container.add_stream("mjpeg", rate=10)
         stream.width, stream.height, stream.pix_fmt = 64, 48, "yuvj420p"

@@ -4,10 +4,10 @@ import io
 
 import numpy as np
 import pytest
-from importing.plan import Part, Plan
-from importing.recognise import open_source
-from importing.source import Options
 from PIL import Image
+from polhode_ground.importing.plan import Part, Plan
+from polhode_ground.importing.recognise import open_source
+from polhode_ground.importing.source import Options
 
 NS = 1_000_000_000
 STEPS_MS = [0, 200, 400, 600, 1200, 1400, 1600, 1800]

@@ -6,13 +6,12 @@ import pathlib
 import made_sources as sources
 import numpy as np
 import pytest
-from importing.folder import times_of
-from importing.numbering import frame_numbers, in_order
-from importing.pictures import natural_order
-from importing.series import of_one_camera
-from importing.source import Account
-
-from judge.errors import BadInput
+from polhode_ground.common.errors import BadInput
+from polhode_ground.importing.folder import times_of
+from polhode_ground.importing.numbering import frame_numbers, in_order
+from polhode_ground.importing.pictures import natural_order
+from polhode_ground.importing.series import of_one_camera
+from polhode_ground.importing.source import Account
 
 US_STEP_UNKNOWN = 10**9  # a picture a second
 US = 1_403_636_579_763_555  # in 2014

@@ -1,14 +1,13 @@
 """What people name that is no sequence by itself, and what stands beside one: times of laboratories, archives, folders of videos."""
 
-import numpy as np
 import made_sources as sources
+import numpy as np
 import pytest
-from importing.plan import Part, Plan
-from importing.recognise import open_source
-from importing.source import Options
 from PIL import Image
-
-from judge.errors import BadInput
+from polhode_ground.common.errors import BadInput
+from polhode_ground.importing.plan import Part, Plan
+from polhode_ground.importing.recognise import open_source
+from polhode_ground.importing.source import Options
 
 NS = 1_000_000_000
 PICTURES = [np.full((8, 8), 20 * i, np.uint8) for i in range(6)]

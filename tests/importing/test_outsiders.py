@@ -3,12 +3,11 @@
 import made_sources as sources
 import numpy as np
 import pytest
-from importing.outsiders import of_the_series
-from importing.pictures import natural_order
-from importing.source import Account
 from PIL import Image
-
-from judge.errors import BadInput
+from polhode_ground.common.errors import BadInput
+from polhode_ground.importing.outsiders import of_the_series
+from polhode_ground.importing.pictures import natural_order
+from polhode_ground.importing.source import Account
 
 COUNT = 12
 SERIES = [f"img_{i:04d}.png" for i in range(COUNT)]

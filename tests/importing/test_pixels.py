@@ -7,13 +7,13 @@ import cv2
 import made_sources as sources
 import numpy as np
 import pytest
-from importing.decoding import decode, frame_levels
-from importing.formats import kind_of
-from importing.levels import Levels
-from importing.source import Account, Frame
-from judge.errors import BadInput
-from judge.mosaic import contrast_of, without_mosaic
 from PIL import Image
+from polhode_ground.common.errors import BadInput
+from polhode_ground.common.mosaic import contrast_of, without_mosaic
+from polhode_ground.importing.decoding import decode, frame_levels
+from polhode_ground.importing.formats import kind_of
+from polhode_ground.importing.levels import Levels
+from polhode_ground.importing.source import Account, Frame
 
 SHAPE = (48, 64)
 GRAY = np.linspace(0, 255, SHAPE[0] * SHAPE[1]).round().astype(np.uint8).reshape(SHAPE)
@@ -126,8 +126,8 @@ def test_a_tiff_whose_zero_is_white_grows_with_the_light(octets, white):
 
 
 def test_pages_of_a_stack_are_inverted_alike(tmp_path):
-    from importing.source import Options
-    from importing.stack import open_stack
+    from polhode_ground.importing.source import Options
+    from polhode_ground.importing.stack import open_stack
     (tmp_path / "stack.tif").write_bytes(tiff([(65535 - WIDE).tobytes(), WIDE[::-1].tobytes()], 16, 0))
     source = open_stack(tmp_path / "stack.tif", Options())
     first, second = source.frames
@@ -313,7 +313,7 @@ def test_a_mosaic_is_told_from_texture_and_taken_out(sample, kind):
 # verifies: GND-03
 @pytest.mark.parametrize(("said", "levelled"), [("bayer_rggb8; png compressed bayer_rggb8", True), ("bayer_rggb8", True), ("mono8; png compressed mono8", False), ("png", False)])
 def test_a_compressed_mosaic_becomes_gray_as_its_format_says(said, levelled):
-    from importing.bag import decoded
+    from polhode_ground.importing.bag import decoded
     account, raw = Account(), mosaic(np.full(SHAPE, 200, np.uint8))
     found = decoded(encoded(raw, ".png"), said, account)
     assert (np.ptp(found[4:-4, 4:-4].astype(int)) < 5) == levelled and bool(account.assumed) == levelled
@@ -352,8 +352,8 @@ def test_transparency_is_told_whatever_holds_it():
 
 
 def test_names_that_are_not_utf_8_and_digits_of_other_scripts_are_taken(tmp_path):
-    from importing.decoding import read_picture
-    from importing.pictures import natural_order
+    from polhode_ground.importing.decoding import read_picture
+    from polhode_ground.importing.pictures import natural_order
     folder = tmp_path / "b\udce4"
     folder.mkdir()
     Image.fromarray(np.full((8, 8), 9, np.uint8)).save(tmp_path / "one.tif")
@@ -363,7 +363,7 @@ def test_names_that_are_not_utf_8_and_digits_of_other_scripts_are_taken(tmp_path
 
 
 def test_what_a_folder_holds_beside_its_pictures_is_told(tmp_path):
-    from importing.pictures import in_folder
+    from polhode_ground.importing.pictures import in_folder
     folder = tmp_path / "pictures"
     for name in ("0.png", "below/a.png"):
         (folder / name).parent.mkdir(parents=True, exist_ok=True)

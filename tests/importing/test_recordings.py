@@ -24,8 +24,8 @@ def pictures():
 
 def opened(path, **options):
     """(pixels by time, the source) of all that is read."""
-    from importing.recognise import open_source
-    from importing.source import Options
+    from polhode_ground.importing.recognise import open_source
+    from polhode_ground.importing.source import Options
     source = open_source(path, Options(**options))
     return {frame.timestamp_ns: frame.pixels for frame in source.frames}, source
 
@@ -116,7 +116,7 @@ def test_messages_of_ros_in_a_file_of_no_profile(pictures, tmp_path, version):
 
 
 def test_an_encoding_that_is_not_known_is_named(tmp_path):
-    from judge.errors import BadInput
+    from polhode_ground.common.errors import BadInput
     path = write_mcap(tmp_path / "a.mcap", ("foxglove.RawImage", "flatbuffer", ""), "flatbuffer", [b"?"])
     with pytest.raises(BadInput, match=r"topic /camera/image \(foxglove.RawImage\) in 'flatbuffer'.*allowed are CDR, ROS 1, Protobuf and JSON"):
         opened(path)
@@ -218,7 +218,7 @@ def test_video_in_messages(pictures, tmp_path, encoder, name, options):
 
 
 def test_video_in_messages_of_ros_goes_on_after_damage(pictures, tmp_path):
-    from importing.mcap_file import ros_store
+    from polhode_ground.importing.mcap_file import ros_store
     store = ros_store()
     Video, Time = store.types["foxglove_msgs/msg/CompressedVideo"], store.types["builtin_interfaces/msg/Time"]
     packets = encoded(pictures * 3, *ENCODED[0][::2])  # a key frame every four
@@ -235,14 +235,14 @@ def test_video_in_messages_of_ros_goes_on_after_damage(pictures, tmp_path):
 @pytest.mark.parametrize("name", ["nv12", "nv21", "NV12", "i420", "yv12"])
 @pytest.mark.parametrize("rows", [48, 72])  # some drivers count those of the colour
 def test_planes_of_colour_are_left_out(pictures, name, rows):
-    from importing.bag import raw_pixels
+    from polhode_ground.importing.bag import raw_pixels
     message = sources.image_message(sources.ros_types(2), np.vstack([pictures[0], np.full((24, 64), 128, np.uint8)]), 0, name, padding=8)
     message.height = rows
     assert np.array_equal(raw_pixels(message, "bag"), pictures[0])
 
 
 def test_octets_in_the_order_of_the_message(pictures):
-    from importing.bag import raw_pixels
+    from polhode_ground.importing.bag import raw_pixels
     deep = pictures[0].astype(np.uint16) * 257 + 3
     message = sources.image_message(sources.ros_types(2), deep.astype(">u2"), 0, "mono16")
     message.is_bigendian = 1
@@ -250,7 +250,7 @@ def test_octets_in_the_order_of_the_message(pictures):
 
 
 def test_distances_are_no_pictures(pictures, tmp_path):
-    from judge.errors import BadInput
+    from polhode_ground.common.errors import BadInput
     store = sources.ros_types(2)
     message = sources.compressed_message(store, png(pictures[0]), START)
     message.format = "16UC1; compressedDepth png"

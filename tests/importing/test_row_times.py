@@ -3,10 +3,10 @@
 import cv2
 import numpy as np
 import pytest
-from importing.calibration_files import read_lens
-from importing.lens import scaled_to
-from importing.row_times import row_time_of
-from judge.errors import BadInput
+from polhode_ground.common.errors import BadInput
+from polhode_ground.importing.calibration_files import read_lens
+from polhode_ground.importing.lens import scaled_to
+from polhode_ground.importing.row_times import row_time_of
 
 KALIBR = ("cam0:\n  camera_model: pinhole\n  intrinsics: [100, 100, 31.5, 23.5]\n  distortion_coeffs: [0, 0, 0, 0]\n  distortion_model: radtan\n"
           "  resolution: [64, 48]\n  line_delay: 3.0e-05\n")

@@ -1,8 +1,8 @@
 """Intrinsics are exchanged in sensor.yaml of every form that the program reads; all else stays, or it is refused."""
 
 import pytest
-from importing.sensor_text import values_of, with_intrinsics
-from judge.errors import BadInput
+from polhode_ground.common.errors import BadInput
+from polhode_ground.importing.sensor_text import values_of, with_intrinsics
 
 FIELDS = ["rate_hz: 1.0  # as it was", "resolution: [640, 480]", "intrinsics: [888.9, 888.9, 319.5, 239.5]  # old", "camera_model: pinhole"]
 BLOCK = "\n".join(FIELDS) + "\n"

@@ -4,9 +4,9 @@ import json
 import subprocess
 import sys
 
+import made_sources as sources
 import numpy as np
 import pytest
-import made_sources as sources
 from made_sources import INTRINSICS, REPOSITORY, SAMPLE
 from PIL import Image
 
@@ -179,7 +179,7 @@ def test_several_topics_have_to_be_chosen_from(imported, refused, frames, tmp_pa
     ("mono16", [[[0x30, 0x12]]], 0x1230),
 ])
 def test_encodings_become_gray(encoding, pixels, gray):
-    from importing.bag import raw_pixels
+    from polhode_ground.importing.bag import raw_pixels
     message = sources.image_message(sources.ros_types(2), np.tile(np.array(pixels, np.uint8), (4, 6, 1)), 0, encoding, padding=4)
     message.width = 6
     found = raw_pixels(message, "bag")
@@ -187,7 +187,7 @@ def test_encodings_become_gray(encoding, pixels, gray):
 
 
 def test_bayer_patterns_are_those_of_ros():
-    from importing.bag import raw_pixels
+    from polhode_ground.importing.bag import raw_pixels
     red_only = np.zeros((8, 8), np.uint8)
     red_only[::2, ::2] = 200  # rggb: red at even rows and columns
     message = sources.image_message(sources.ros_types(2), red_only, 0, "bayer_rggb8")

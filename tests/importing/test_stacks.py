@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from importing.recognise import open_source
-from importing.source import Options
-from judge.errors import BadInput
 from PIL import Image
+from polhode_ground.common.errors import BadInput
+from polhode_ground.importing.recognise import open_source
+from polhode_ground.importing.source import Options
 
 ROWS = np.add.outer(np.arange(48), np.arange(64))
 

@@ -4,8 +4,8 @@ import random
 from collections import Counter
 
 import pytest
-from importing.numbering import frame_numbers
-from importing.stamps import CLOCK_SET, NO_TIME, OUT_OF_LINE, REPEATS, find_gaps, judge
+from polhode_ground.importing.numbering import frame_numbers
+from polhode_ground.importing.stamps import CLOCK_SET, NO_TIME, OUT_OF_LINE, REPEATS, find_gaps, judge
 
 NS = 1_000_000_000
 STEP = NS // 10

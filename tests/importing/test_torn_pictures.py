@@ -20,7 +20,7 @@ def picture():
 
 
 def read(tmp_path, data, name="1.jpg"):
-    from importing.decoding import read_picture
+    from polhode_ground.importing.decoding import read_picture
     (tmp_path / name).write_bytes(data)
     return read_picture(tmp_path / name).pixels
 
@@ -39,13 +39,13 @@ def test_a_jpeg_of_which_all_is_there_is_read(tmp_path, picture, change):
     lambda data: data[:len(data) // 2] + data[len(data) // 2 + 2000:],
 ], ids=["half", "half with an end marker", "the last blocks", "the header", "nothing", "a hole"])
 def test_a_jpeg_of_which_a_part_is_missing_is_not(tmp_path, picture, change):
-    from judge.errors import BadInput
+    from polhode_ground.common.errors import BadInput
     with pytest.raises(BadInput, match="1.jpg"):
         read(tmp_path, change(octets(picture)))
 
 
 def test_a_jpeg_in_scans_needs_its_end(tmp_path, picture):
-    from judge.errors import BadInput
+    from polhode_ground.common.errors import BadInput
     data = octets(picture, progressive=True)
     assert read(tmp_path, data).shape == picture.shape
     with pytest.raises(BadInput, match="its end is missing, and maybe whole scans"):

@@ -6,13 +6,11 @@ import pathlib
 import re
 import shutil
 import subprocess
-import sys
 
 import pytest
+from polhode_ground.checking import golden
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(REPOSITORY / "tools"))
-import golden  # noqa: E402
 
 PROGRAM = pathlib.Path(os.environ.get("POLHODE_PROGRAM", REPOSITORY / "build/release/bin/polhode"))
 PACKAGES = REPOSITORY / "build/packages"

@@ -4,8 +4,8 @@ import csv
 import pathlib
 
 import numpy as np
+from polhode_ground.testing.synthetic import MOTION_HEADER, Errors, box_points, estimate_of, tumbling_body, write_ply
 from scipy.spatial.transform import Rotation
-from synthetic import MOTION_HEADER, Errors, box_points, estimate_of, tumbling_body, write_ply
 
 START_NS = 1_700_000_000_123_456_789  # digits down to the nanosecond, which seconds as a float lose
 FRAMES = 30
@@ -61,7 +61,7 @@ def call(*arguments) -> None:
     import sys
     from unittest import mock
 
-    import export
+    from polhode_ground.exporting import export
     with mock.patch.object(sys, "argv", ["export.py", *map(str, arguments)]):
         export.main()
 

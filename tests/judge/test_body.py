@@ -4,12 +4,12 @@ import json
 
 import numpy as np
 import pytest
-from judge.body import judge_body
-from judge.run import best_alignment, read_run, read_truth
-from judge.sequence import read_sequence
-from judge.shape import read_cloud
+from polhode_ground.common.sequence import read_sequence
+from polhode_ground.judge.body import judge_body
+from polhode_ground.judge.run import best_alignment, read_run, read_truth
+from polhode_ground.judge.shape import read_cloud
+from polhode_ground.testing.synthetic import BOX_M, Errors, tumbling_body, write_ply, write_run, write_sequence
 from scipy.spatial.transform import Rotation
-from synthetic import BOX_M, Errors, tumbling_body, write_ply, write_run, write_sequence
 
 
 @pytest.fixture(scope="module")

@@ -9,11 +9,11 @@ import sys
 
 import numpy as np
 import pytest
-from judge import align
-from judge.aligned import align_last
-from judge.tables import read_motion
-from reporting.corridor import open_spans, read_corridor
-from synthetic import write_acquired
+from polhode_ground.common.tables import read_motion
+from polhode_ground.judge import align
+from polhode_ground.judge.aligned import align_last
+from polhode_ground.reporting.corridor import open_spans, read_corridor
+from polhode_ground.testing.synthetic import write_acquired
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 BUILD = pathlib.Path(os.environ.get("POLHODE_BUILD", REPOSITORY / "build/release"))

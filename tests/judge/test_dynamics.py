@@ -5,11 +5,11 @@ import json
 
 import numpy as np
 import pytest
-from judge.dynamics import judge_dynamics
-from judge.aligned import align_last
-from judge.tables import Motion
+from polhode_ground.common.tables import Motion
+from polhode_ground.judge.aligned import align_last
+from polhode_ground.judge.dynamics import judge_dynamics
+from polhode_ground.testing.synthetic import tumbling_body
 from scipy.spatial.transform import Rotation
-from synthetic import tumbling_body
 
 TURN = Rotation.from_rotvec([0.3, -0.2, 0.5])  # R_ET: the estimate's axes against the truth's
 OFFSET_E = np.array([0.02, -0.01, 0.03])  # the true mass centre in the estimate's axes, in its unit

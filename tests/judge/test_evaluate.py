@@ -9,12 +9,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from judge import metrics, period, twin
-from judge.report import text_report
-from judge.run import judge_run, read_run, read_truth
-from judge.sequence import read_sequence
+from polhode_ground.common.sequence import read_sequence
+from polhode_ground.judge import metrics, period, twin
+from polhode_ground.judge.report import text_report
+from polhode_ground.judge.run import judge_run, read_run, read_truth
+from polhode_ground.testing.synthetic import Errors, box_points, project, tumbling_body, write_run, write_sequence
 from scipy.spatial.transform import Rotation
-from synthetic import Errors, box_points, project, tumbling_body, write_run, write_sequence
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 

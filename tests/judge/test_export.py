@@ -15,10 +15,10 @@ import xml.etree.ElementTree as ElementTree
 import numpy as np
 import pytest
 from exported import KM, MISSING, POSES, RUNS, SCALED, call, quaternion_error_rad, stamp, target_of, write_eventful
-from judge.errors import BadInput
-from judge.tables import read_motion
-from judge.venv import REPOSITORY
-from synthetic import MOTION_HEADER
+from polhode_ground.common.errors import BadInput
+from polhode_ground.common.tables import read_motion
+from polhode_ground.common.venv import REPOSITORY
+from polhode_ground.testing.synthetic import MOTION_HEADER
 
 ATTITUDE_MAX_RAD = 1e-9
 NS = 10**9

@@ -4,9 +4,9 @@ import importlib.util
 
 import numpy as np
 import pytest
-from exported import KM, POSES, RUNS, call, quaternion_error_rad, stamp, target_of, write_eventful
-from exporting.times import leap_seconds
-from judge.tables import read_motion
+from exported import POSES, RUNS, call, quaternion_error_rad, stamp, target_of, write_eventful
+from polhode_ground.common.tables import read_motion
+from polhode_ground.exporting.times import leap_seconds
 from scipy.spatial.transform import Rotation
 
 pytestmark = [pytest.mark.further,

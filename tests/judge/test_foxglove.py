@@ -7,12 +7,12 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from judge.shape import read_cloud
-from judge.tables import read_motion
-from judge.venv import REPOSITORY
 from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
-from synthetic import FOCAL_PX, START_NS, write_acquired
+from polhode_ground.common.tables import read_motion
+from polhode_ground.common.venv import REPOSITORY
+from polhode_ground.judge.shape import read_cloud
+from polhode_ground.testing.synthetic import FOCAL_PX, START_NS, write_acquired
 
 FRAMES = 20
 
@@ -76,8 +76,8 @@ def test_pictures_and_camera_are_in_the_same_frame(messages):
 
 
 def test_events_are_words_at_their_time(made):
-    from reporting.foxglove_messages import messages_of
-    from reporting.gather import gather
+    from polhode_ground.reporting.foxglove_messages import messages_of
+    from polhode_ground.reporting.gather import gather
     material = gather(made[1], made[0])
     material.events = [SimpleNamespace(header=SimpleNamespace(seconds=START_NS // 10**9 + 4, fraction=2**23), text="the scale is known")]
     (time_ns, event), = [(time_ns, message) for topic, time_ns, message in messages_of(material) if topic == "/target/events"]

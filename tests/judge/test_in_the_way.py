@@ -6,11 +6,11 @@ import subprocess
 import sys
 
 import pytest
-from judge.errors import BadInput
-from judge.program import PROGRAM
-from judge.whole_file import MARK, beside, claim_folder, write_whole
 from PIL import Image
-from synthetic import write_acquired
+from polhode_ground.common.errors import BadInput
+from polhode_ground.common.program import PROGRAM
+from polhode_ground.common.whole_file import MARK, beside, claim_folder, write_whole
+from polhode_ground.testing.synthetic import write_acquired
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 MINE = b"the user's own\n"

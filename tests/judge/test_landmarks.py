@@ -1,10 +1,10 @@
 """Landmarks on the background, counted on a made-up body: those of the final map, by where they were seen."""
 
 import pytest
-from judge.landmarks import on_background
-from judge.sequence import read_sequence
-from judge.shape import read_landmark_numbers
-from synthetic import HEIGHT_PX, project, tumbling_body, write_sequence
+from polhode_ground.common.sequence import read_sequence
+from polhode_ground.judge.landmarks import on_background
+from polhode_ground.judge.shape import read_landmark_numbers
+from polhode_ground.testing.synthetic import HEIGHT_PX, project, tumbling_body, write_sequence
 
 FRAMES = range(6)
 

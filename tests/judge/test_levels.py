@@ -7,11 +7,11 @@ import sys
 
 import numpy as np
 import pytest
-from judge.levels import depth_for, significant_bits, viewable
-from judge.sequence import Camera, Sequence, read_json
-from judge.venv import REPOSITORY
 from PIL import Image, PngImagePlugin
-from transforms.footage import write_sensor_yaml
+from polhode_ground.common.levels import depth_for, significant_bits, viewable
+from polhode_ground.common.sequence import Camera, Sequence, read_json
+from polhode_ground.common.venv import REPOSITORY
+from polhode_ground.transforms.footage import write_sensor_yaml
 
 GRAY = np.linspace(0, 255, 48 * 64).round().astype(np.uint8).reshape(48, 64)
 

@@ -7,7 +7,7 @@ import subprocess
 import sys
 
 import pytest
-from synthetic import Errors, tumbling_body, write_run, write_sequence
+from polhode_ground.testing.synthetic import Errors, tumbling_body, write_run, write_sequence
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 RENDER = """#!/bin/sh
@@ -31,8 +31,8 @@ def house(tmp_path):
         (root / folder).mkdir(parents=True)
     for name in ("hil/paper_table.sh", "hil/evaluate.py", "tools/plot_replay.py"):
         shutil.copy(REPOSITORY / name, root / name)
-    for name in ("hil/judge", "tools/plots"):
-        (root / name).symlink_to(REPOSITORY / name)
+    for name in ("hil/polhode_ground", "tools/polhode_ground"):
+        (root / name).symlink_to(REPOSITORY / "tools/polhode_ground")
     (root / ".venv/bin/python3").symlink_to(sys.executable)
     for name, text in (("hil/render_scene.sh", RENDER), ("build/release/bin/polhode", ESTIMATOR)):
         (root / name).write_text(text)

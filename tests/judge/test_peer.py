@@ -8,12 +8,13 @@ import sys
 
 import numpy as np
 import pytest
-from judge import colmap, paper, replay
-from judge.errors import BadInput
-from judge.run import judge_run, read_run, read_truth
-from judge.sequence import Camera, read_sequence
 from PIL import Image
-from synthetic import Errors, tumbling_body, write_run, write_sequence
+from polhode_ground.common import replay
+from polhode_ground.common.errors import BadInput
+from polhode_ground.common.sequence import Camera, read_sequence
+from polhode_ground.judge import colmap, paper
+from polhode_ground.judge.run import judge_run, read_run, read_truth
+from polhode_ground.testing.synthetic import Errors, tumbling_body, write_run, write_sequence
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 

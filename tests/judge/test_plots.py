@@ -7,9 +7,9 @@ import sys
 
 import numpy as np
 import pytest
-from judge.sequence import read_sequence
 from PIL import Image
-from synthetic import Errors, tumbling_body, write_acquired, write_run
+from polhode_ground.common.sequence import read_sequence
+from polhode_ground.testing.synthetic import Errors, tumbling_body, write_acquired, write_run
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 ALL = {"rates.png", "velocity.png", "attitude_error.png", "counts.png", "cloud.png", "contact_sheet.png"}

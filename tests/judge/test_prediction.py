@@ -4,12 +4,12 @@ import json
 
 import numpy as np
 import pytest
-from judge import align
-from judge.aligned import align_last
-from judge.prediction import judge_prediction, truth_at
-from judge.tables import Motion
+from polhode_ground.common.tables import Motion
+from polhode_ground.judge import align
+from polhode_ground.judge.aligned import align_last
+from polhode_ground.judge.prediction import judge_prediction, truth_at
+from polhode_ground.testing.synthetic import tumbling_body
 from scipy.spatial.transform import Rotation
-from synthetic import tumbling_body
 
 TURN = Rotation.from_rotvec([0.3, -0.2, 0.5])  # the estimate's axes against the truth's
 SCALE = 4.0

@@ -11,10 +11,9 @@ import sys
 
 import numpy as np
 import pytest
-from synthetic import Errors, box_points, tumbling_body, write_acquired, write_motion, write_ply, write_run
+from polhode_ground.testing.synthetic import Errors, box_points, tumbling_body, write_acquired, write_motion, write_ply, write_run
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(REPOSITORY / "tests/ground_station"))
 PAGE_OCTETS_MAX = 15_000_000
 
 
@@ -137,7 +136,7 @@ def test_a_long_run_is_thinned(tmp_path):
 
 
 def test_thinning_keeps_outliers_and_breaks():
-    from reporting.figures import POINTS_MAX, thinned
+    from polhode_ground.reporting.figures import POINTS_MAX, thinned
     seconds, value = np.arange(20_000.0), np.zeros(20_000)
     value[7777], value[12_345] = 9.0, np.nan
     thin_s, thin = thinned(seconds, value)
@@ -176,7 +175,7 @@ def test_a_video_shows_the_frames_with_what_was_found(made, run, tmp_path):
     (run / "surface.ply").write_bytes((made[0] / "model.ply").read_bytes())
     status, err = report(run, "--video", tmp_path / "run.mp4")
     assert status == 0, err
-    from judge.sequence import read_sequence
+    from polhode_ground.common.sequence import read_sequence
     with av.open(str(tmp_path / "run.mp4")) as container:
         shown = [frame.to_ndarray(format="rgb24").astype(int) for frame in container.decode(video=0)]
     assert len(shown) == 40
@@ -191,8 +190,8 @@ def test_a_video_shows_the_frames_with_what_was_found(made, run, tmp_path):
 
 def test_a_fine_surface_does_not_hide_the_picture():
     import trimesh
-    from judge.sequence import Camera
-    from reporting.video import draw_surface
+    from polhode_ground.common.sequence import Camera
+    from polhode_ground.reporting.video import draw_surface
     from scipy.spatial.transform import Rotation
     ball = trimesh.creation.icosphere(subdivisions=4, radius=0.5)
     checks = np.repeat(np.repeat(np.indices((30, 40)).sum(axis=0) % 2, 8, axis=0), 8, axis=1).astype(np.uint8) * 150 + 50
@@ -208,9 +207,9 @@ def test_a_fine_surface_does_not_hide_the_picture():
 
 
 def test_a_surface_is_in_the_scene_with_what_was_completed_apart(run, made):
-    from judge.shape import load_ply
-    from reporting.scene import surfaces
-    from reporting.surface import write_surface
+    from polhode_ground.judge.shape import load_ply
+    from polhode_ground.reporting.scene import surfaces
+    from polhode_ground.reporting.surface import write_surface
     (run / "surface.ply").write_bytes((made[0] / "model.ply").read_bytes())
     assert [one.name for one in surfaces(run)] == ["surface"]
     mesh = load_ply(made[0] / "model.ply")

@@ -10,10 +10,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from judge.tables import read_motion
-from judge.venv import REPOSITORY
+from polhode_ground.common.tables import read_motion
+from polhode_ground.common.venv import REPOSITORY
+from polhode_ground.testing.synthetic import START_NS, Errors, tumbling_body, write_acquired, write_run
 from scipy.spatial.transform import Rotation
-from synthetic import START_NS, Errors, tumbling_body, write_acquired, write_run
 
 NEEDS_RERUN = pytest.mark.skipif(importlib.util.find_spec("rerun") is None, reason="rerun-sdk is not installed: tools/setup.sh extras")
 
@@ -107,8 +107,8 @@ def test_a_target_that_is_lost_is_taken_away_and_comes_back(run, tmp_path):
 @pytest.mark.further
 @NEEDS_RERUN
 def test_events_are_words_at_their_time(made, run, tmp_path):
-    from reporting.gather import gather
-    from reporting.rerun_file import write_rrd
+    from polhode_ground.reporting.gather import gather
+    from polhode_ground.reporting.rerun_file import write_rrd
     material = gather(run, made[0])
     material.events = [SimpleNamespace(header=SimpleNamespace(seconds=START_NS // 10**9 + 4, fraction=2**23), text="the scale is known")]
     write_rrd(material, tmp_path / "run.rrd")

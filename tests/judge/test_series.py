@@ -5,11 +5,11 @@ import json
 
 import numpy as np
 import pytest
-from judge.run import read_run
-from judge.tables import read_motion
-from plots import series
+from polhode_ground.common.tables import read_motion
+from polhode_ground.judge.run import read_run
+from polhode_ground.plots import series
+from polhode_ground.testing.synthetic import Errors, tumbling_body, write_run, write_sequence
 from scipy.spatial.transform import Rotation
-from synthetic import Errors, tumbling_body, write_run, write_sequence
 
 
 @pytest.fixture

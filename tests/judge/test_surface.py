@@ -7,12 +7,12 @@ import sys
 
 import numpy as np
 import pytest
-from judge.errors import BadInput
-from judge.shape import load_ply, property_of
-from judge.venv import REPOSITORY
-from reporting import surface
+from polhode_ground.common.errors import BadInput
+from polhode_ground.common.venv import REPOSITORY
+from polhode_ground.judge.shape import load_ply, property_of
+from polhode_ground.reporting import surface
+from polhode_ground.testing.synthetic import BOX_M, Errors, box_points, tumbling_body, write_run
 from scipy.spatial import ConvexHull, cKDTree
-from synthetic import BOX_M, Errors, box_points, tumbling_body, write_run
 
 NEEDS_COLMAP = pytest.mark.skipif(not (REPOSITORY / ".venv-colmap/bin/python3").exists(), reason="pycolmap is not installed: tools/setup.sh colmap")
 
@@ -47,7 +47,9 @@ def test_the_hull_closes_what_was_not_seen_and_nothing_that_was_seen_through():
     points, normals = stairs()
     hull, pitch = ConvexHull(points), surface.pitch_of(points)
     assert pitch == pytest.approx(np.sqrt(4.75 / len(points)), rel=0.2)  # the step's area is 6 less a bottom of 1 and a quarter of either end
-    over_notch = lambda found: (found[:, 0] > 0.1) & (found[:, 2] > 0.1) & (np.abs(found[:, 1]) < 0.4)  # noqa: E731
+    def over_notch(found):
+        return (found[:, 0] > 0.1) & (found[:, 2] > 0.1) & (np.abs(found[:, 1]) < 0.4)
+
     blind, _ = surface.unseen_sides(hull, points, (np.empty((0, 3)), np.empty((0, 3))), pitch)
     assert over_notch(blind).sum() > 50  # the hull's slope over the notch
     sides, side_normals = surface.unseen_sides(hull, points, sights_out_of_the_notch(points), pitch)
@@ -99,8 +101,8 @@ def call(*arguments):
 
 
 def test_lines_of_sight_end_at_the_camera(tmp_path):
-    from judge import align
-    from judge.tables import read_motion
+    from polhode_ground.common.tables import read_motion
+    from polhode_ground.judge import align
     run = made_run(tmp_path / "run")
     from_T, to_T = surface.lines_of_sight(run)
     assert len(from_T) == 12 * 54  # six of 60 observations a frame are outliers

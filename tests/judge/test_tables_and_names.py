@@ -8,12 +8,12 @@ import subprocess
 
 import numpy as np
 import pytest
-from judge.errors import BadInput
-from judge.program import PROGRAM
-from judge.sequence import read_sequence
-from judge.venv import own_environment
 from PIL import Image
-from synthetic import write_acquired
+from polhode_ground.common.errors import BadInput
+from polhode_ground.common.program import PROGRAM
+from polhode_ground.common.sequence import read_sequence
+from polhode_ground.common.venv import own_environment
+from polhode_ground.testing.synthetic import write_acquired
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 SENSOR = """\
@@ -132,7 +132,7 @@ def test_a_run_and_a_sequence_of_other_names_are_judged(tmp_path):
     (lambda text: text, "utf-8-sig"), (lambda text: text, "utf-16"), (lambda text: text.replace(",", ";").replace(".", ","), "utf-8"),
     (lambda text: text.replace(",", "\t"), "utf-8"), (lambda text: text.replace("\n2", "\n# lost\n2"), "utf-8")])
 def test_a_truth_of_a_spreadsheet_is_read(tmp_path, change, coding):
-    from judge.tables import read_motion
+    from polhode_ground.common.tables import read_motion
     text = "timestamp_ns,q_CT_w,q_CT_x,q_CT_y,q_CT_z,p_CT_x,p_CT_y,p_CT_z\n1000000000,1.0,0,0,0,0.5,0,2.5\n2000000000,1.0,0,0,0,0.5,0,3.5\n"
     (tmp_path / "truth.csv").write_bytes(change(text).encode(coding))
     motion = read_motion(tmp_path / "truth.csv")

@@ -6,12 +6,12 @@ import sys
 
 import numpy as np
 import pytest
-from judge import align
-from judge.aligned import align_last
-from judge.run import read_run
-from judge.tables import read_motion
-from judge.trajectory import tum_text
-from synthetic import Errors, tumbling_body, write_run, write_sequence
+from polhode_ground.common.tables import read_motion
+from polhode_ground.judge import align
+from polhode_ground.judge.aligned import align_last
+from polhode_ground.judge.run import read_run
+from polhode_ground.judge.trajectory import tum_text
+from polhode_ground.testing.synthetic import Errors, tumbling_body, write_run, write_sequence
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 

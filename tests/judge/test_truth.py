@@ -6,14 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from judge.align import angles_rad, rotations
-from judge.errors import BadInput
-from judge.report import text_report
-from judge.run import judge_run, read_run, read_truth, read_truth_for
-from judge.sequence import read_sequence
-from judge.tables import read_motion
-from judge.truth import Matching, at_frames, estimated_offset
-from synthetic import TRUTH_HEADER, Errors, tumbling_body, write_run, write_sequence
+from polhode_ground.common.errors import BadInput
+from polhode_ground.common.sequence import read_sequence
+from polhode_ground.common.tables import read_motion
+from polhode_ground.judge.align import angles_rad, rotations
+from polhode_ground.judge.report import text_report
+from polhode_ground.judge.run import judge_run, read_run, read_truth, read_truth_for
+from polhode_ground.judge.truth import Matching, at_frames, estimated_offset
+from polhode_ground.testing.synthetic import TRUTH_HEADER, Errors, tumbling_body, write_run, write_sequence
 from test_evaluate import REPOSITORY
 
 FRAMES, RATE_HZ = 60, 49.7  # every tenth frame has a row's stamp by chance, the others lie between rows

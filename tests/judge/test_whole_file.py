@@ -7,8 +7,8 @@ import subprocess
 import sys
 
 import pytest
-from judge.whole_file import beside, write_whole
-from synthetic import write_acquired
+from polhode_ground.common.whole_file import beside, write_whole
+from polhode_ground.testing.synthetic import write_acquired
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 

@@ -4,17 +4,15 @@ import os
 import pathlib
 import signal
 import subprocess
-import sys
 import time
 import types
 
 import pytest
+from polhode_ground.testing.replay_files import DEFAULTS, PROGRAM
+from polhode_ground.testing.sequence_writer import SequenceWriter, textured
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(REPOSITORY / folder) for folder in ("tests/replay", "tests/ground_station", "hil", "tools", "platform/transport/client/python")]
 
-from replay_files import DEFAULTS, PROGRAM  # noqa: E402
-from sequence_writer import SequenceWriter, textured  # noqa: E402
 
 
 def pytest_collection_modifyitems(config, items):

@@ -7,11 +7,12 @@ import sys
 
 import numpy
 import pytest
-from bit_flips import service, verdict
-from bit_flips.tables import symbol_address
-from judge.errors import BadInput
-from judge.tables import read_motion
-from replay_files import PROGRAM, REPOSITORY
+from polhode_ground.common.errors import BadInput
+from polhode_ground.common.tables import read_motion
+from polhode_ground.faults import service, verdict
+from polhode_ground.faults.tables import symbol_address
+from polhode_ground.testing.replay_files import REPOSITORY
+from scipy.spatial.transform import Rotation
 
 TRUTH = REPOSITORY / "hil/data/sample/truth.csv"
 
@@ -27,10 +28,7 @@ def motion(time_ns, q_CT, sigma_deg=0.2):
 
 def turned(q, angle_deg):
     """About the target's z."""
-    half = numpy.radians(angle_deg) / 2
-    w, x, y, z = q
-    c, s = numpy.cos(half), numpy.sin(half)
-    return [w * c - z * s, x * c + y * s, y * c - x * s, w * s + z * c]
+    return list((Rotation.from_quat(q, scalar_first=True) * Rotation.from_euler("z", angle_deg, degrees=True)).as_quat(scalar_first=True))
 
 
 def start(packets, begun="start cold: no checkpoint", end="status 0"):

@@ -6,7 +6,7 @@ import struct
 import zlib
 
 import pytest
-from replay_files import DEFAULTS
+from polhode_ground.testing.replay_files import DEFAULTS
 
 BUILD_ID_AT, CONTENT_CRC_AT, HEADER_CRC_AT, HEADER_OCTETS = 108, 128, 236, 240
 

@@ -5,7 +5,7 @@ import subprocess
 import sys
 
 import pytest
-from replay_files import REPOSITORY
+from polhode_ground.testing.replay_files import REPOSITORY
 
 
 # verifies: LIV-03

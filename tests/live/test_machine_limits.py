@@ -6,7 +6,7 @@ import subprocess
 
 import polhode_bus
 import pytest
-from replay_files import DEFAULTS, PROGRAM
+from polhode_ground.testing.replay_files import DEFAULTS, PROGRAM
 
 
 def call(*arguments, close=(), limits=(), out=subprocess.PIPE, err=subprocess.PIPE):

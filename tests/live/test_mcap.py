@@ -6,7 +6,7 @@ import subprocess
 import sys
 
 import pytest
-from replay_files import REPOSITORY
+from polhode_ground.testing.replay_files import REPOSITORY
 
 reader = pytest.importorskip("mcap.reader")
 TOOL = [sys.executable, REPOSITORY / "tools/sequence_to_mcap.py"]

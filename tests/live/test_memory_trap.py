@@ -3,7 +3,7 @@
 import subprocess
 
 import pytest
-from replay_files import DEFAULTS, PROGRAM
+from polhode_ground.testing.replay_files import DEFAULTS, PROGRAM
 
 NOTHING = "nothing was asked of the machine"
 

@@ -3,8 +3,7 @@
 import json
 import subprocess
 
-import pytest
-from replay_files import PROGRAM
+from polhode_ground.testing.replay_files import PROGRAM
 
 
 def export(recording, out, *arguments):

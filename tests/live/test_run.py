@@ -11,7 +11,7 @@ import time
 
 import polhode_bus
 import pytest
-from replay_files import PROGRAM
+from polhode_ground.testing.replay_files import PROGRAM
 
 
 def bus(run):

@@ -4,7 +4,7 @@ import json
 import subprocess
 
 import pytest
-from replay_files import PROGRAM, SAMPLE
+from polhode_ground.testing.replay_files import PROGRAM, SAMPLE
 from test_recording import bus, export
 
 

@@ -8,7 +8,7 @@ import shutil
 import subprocess
 
 import pytest
-from replay_files import PROGRAM, REPOSITORY
+from polhode_ground.testing.replay_files import PROGRAM, REPOSITORY
 
 UNIT = REPOSITORY / "platform/systemd/polhode.service"
 

@@ -9,7 +9,7 @@ import time
 
 import polhode_bus
 import pytest
-from replay_files import PROGRAM
+from polhode_ground.testing.replay_files import PROGRAM
 
 
 def free_port() -> int:

@@ -15,15 +15,15 @@ from importlib.metadata import version
 
 import numpy as np
 import pytest
-from busgen.table import read_table
-from judge.errors import BadInput
 from PIL import Image
 from polhode_bus import Packet, open_bus
-from replay_files import REPOSITORY
-from watching import body, state, words
-from watching.feed import Feed, check_address, open_address
-from watching.images import HEADER, RecordingImages, SequenceImages, open_images
-from watching.serve import draw_until
+from polhode_ground.busgen.table import read_table
+from polhode_ground.common.errors import BadInput
+from polhode_ground.testing.replay_files import REPOSITORY
+from polhode_ground.watching import body, state, words
+from polhode_ground.watching.feed import Feed, check_address, open_address
+from polhode_ground.watching.images import HEADER, RecordingImages, SequenceImages, open_images
+from polhode_ground.watching.serve import draw_until
 
 TABLE = read_table(REPOSITORY / "config/bus")
 SECOND_NS = 1_000_000_000
@@ -204,7 +204,7 @@ def test_a_replaced_file_is_opened_again(played, replayed, until, tmp_path):
 # verifies: GND-07
 def test_the_run_gives_the_same_bytes_beside_a_watch(live, played, until, tmp_path):
     pytest.importorskip("viser")
-    from watching.page import Page, start_server, stop_server
+    from polhode_ground.watching.page import Page, start_server, stop_server
     alone = live(played.path, name="alone", settings=[f'transport.send=["unix:{tmp_path}/nobody"]'])
     assert alone.finish().status == 0
     feed, ended, server = Feed(f"unix:{tmp_path}/socket", 416), threading.Event(), start_server("127.0.0.1", 0)
@@ -300,7 +300,7 @@ class Stalled:
 
 
 def test_a_viewer_that_reads_no_more_costs_no_memory_and_no_time():
-    from watching.page import Page, start_server, stop_server
+    from polhode_ground.watching.page import Page, start_server, stop_server
     server = start_server("127.0.0.1", 0)
     page, viewer = Page(server, TABLE, 416, "udp:1", True), Stalled(server.get_port())
     noise = np.random.default_rng(1).integers(0, 255, (480, 640, 3), np.uint8)  # 220 kB as JPEG

@@ -16,7 +16,7 @@ import pytest
 from PIL import Image
 from polhode_bus import crc16, header_of, open_bus
 from polhode_bus.packets import APID_FIRST
-from replay_files import REPOSITORY
+from polhode_ground.testing.replay_files import REPOSITORY
 
 pytestmark = [pytest.mark.further, pytest.mark.skipif(shutil.which("chromium") is None, reason="chromium is not installed")]
 browser = pytest.importorskip("browser")

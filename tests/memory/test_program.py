@@ -3,16 +3,14 @@
 import json
 import pathlib
 import subprocess
-import sys
 
 import numpy
 import pytest
+from polhode_ground.testing.replay_files import DEFAULTS, PROGRAM
+from polhode_ground.testing.sequence_writer import SequenceWriter, textured
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(REPOSITORY / "tests/replay"))
 
-from replay_files import DEFAULTS, PROGRAM  # noqa: E402
-from sequence_writer import SequenceWriter, textured  # noqa: E402
 
 pytestmark = pytest.mark.skipif(not PROGRAM.exists(), reason=f"{PROGRAM} is not built")
 

@@ -5,8 +5,8 @@ import subprocess
 import types
 
 import pytest
-from replay_files import DEFAULTS, PROGRAM, SAMPLE
-from sequence_writer import SequenceWriter, textured
+from polhode_ground.testing.replay_files import DEFAULTS, PROGRAM, SAMPLE
+from polhode_ground.testing.sequence_writer import SequenceWriter, textured
 
 
 def pytest_collection_modifyitems(config, items):

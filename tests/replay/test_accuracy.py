@@ -5,7 +5,7 @@ import pathlib
 import shutil
 
 import pytest
-from replay_files import judged_motion
+from polhode_ground.testing.replay_files import judged_motion
 
 # The photographs may not be passed on: who has them says where they are (CONTRIBUTING.md).
 PHOTOGRAPHS = os.environ.get("POLHODE_TEMPLE_RING")

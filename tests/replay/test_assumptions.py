@@ -3,7 +3,7 @@
 import json
 
 import pytest
-from replay_files import summary
+from polhode_ground.testing.replay_files import summary
 
 WARNING = "polhode: warning: "
 

@@ -3,8 +3,8 @@
 import shutil
 
 import pytest
-from replay_files import DEFAULTS, motion_rows, summary
-from sequence_writer import uniform, write_image
+from polhode_ground.testing.replay_files import DEFAULTS, motion_rows, summary
+from polhode_ground.testing.sequence_writer import uniform, write_image
 
 
 def refused(result, *parts):
@@ -147,7 +147,7 @@ KINDS = ["missing", "empty", "truncated", "damaged", "other size", "text", "huge
 # Only PNG has a checksum that tells of damage.
 @pytest.mark.parametrize(("suffix", "kind"), [(suffix, kind) for suffix in (".png", ".jpg", ".pgm") for kind in KINDS if suffix == ".png" or kind != "damaged"])
 def test_a_single_bad_frame_is_counted_and_the_run_goes_on(replay, tmp_path, suffix, kind):
-    from sequence_writer import SequenceWriter, textured
+    from polhode_ground.testing.sequence_writer import SequenceWriter, textured
 
     writer = SequenceWriter(tmp_path / "spoiled", suffix)
     files = [writer.add(textured(seed)) for seed in range(4)]

@@ -5,7 +5,7 @@ import signal
 import subprocess
 
 import pytest
-from replay_files import DEFAULTS, PROGRAM, summary
+from polhode_ground.testing.replay_files import DEFAULTS, PROGRAM, summary
 
 
 def refused(result, *parts):

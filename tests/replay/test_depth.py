@@ -6,7 +6,7 @@ import zlib
 
 import numpy
 import pytest
-from sequence_writer import SequenceWriter, textured
+from polhode_ground.testing.sequence_writer import SequenceWriter, textured
 
 FRAMES = 4
 

@@ -8,8 +8,8 @@ import subprocess
 import time
 
 import pytest
-from replay_files import DEFAULTS, PROGRAM, summary
-from sequence_writer import SequenceWriter, textured
+from polhode_ground.testing.replay_files import DEFAULTS, PROGRAM, summary
+from polhode_ground.testing.sequence_writer import SequenceWriter, textured
 
 
 @pytest.fixture(scope="session")

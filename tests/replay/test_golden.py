@@ -1,16 +1,12 @@
 """The sample's bus stream as it is recorded for this architecture (tests/golden)."""
 
-import pathlib
 import shutil
 import subprocess
 import sys
 
 import pytest
-from replay_files import REPOSITORY
-
-sys.path.insert(0, str(pathlib.Path(REPOSITORY) / "tools"))
-
-import golden  # noqa: E402
+from polhode_ground.checking import golden
+from polhode_ground.testing.replay_files import REPOSITORY
 
 
 # verifies: CMP-01

@@ -8,7 +8,7 @@ import struct
 import subprocess
 
 import pytest
-from replay_files import DEFAULTS, PROGRAM
+from polhode_ground.testing.replay_files import DEFAULTS, PROGRAM
 
 LIMIT_S = 20
 # Root may read every file; without these two rights it may as little as anybody.

@@ -8,8 +8,8 @@ import pytest
 import yaml
 from attitudes import mean_rotation, off_deg, rotation
 from PIL import Image
-from replay_files import DEFAULTS, motion_rows, summary
-from sequence_writer import SequenceWriter, textured
+from polhode_ground.testing.replay_files import DEFAULTS, motion_rows, summary
+from polhode_ground.testing.sequence_writer import SequenceWriter, textured
 
 FIRST, SECOND = range(45), range(30, 44)
 SCALE = 0.7  # of the second pass's pictures: another camera

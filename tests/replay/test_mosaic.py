@@ -4,7 +4,7 @@ import json
 
 import numpy
 import pytest
-from sequence_writer import SequenceWriter, textured
+from polhode_ground.testing.sequence_writer import SequenceWriter, textured
 
 FRAMES = 4
 GAINS = numpy.array([[1.0, 0.75], [0.75, 0.45]])  # RGGB, before a body of one colour

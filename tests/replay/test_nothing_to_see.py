@@ -6,8 +6,8 @@ import sys
 
 import numpy
 import pytest
-from replay_files import REPOSITORY, motion_rows, summary
-from sequence_writer import SequenceWriter, noise, textured, uniform
+from polhode_ground.testing.replay_files import REPOSITORY, motion_rows, summary
+from polhode_ground.testing.sequence_writer import SequenceWriter, noise, textured, uniform
 
 FRAMES = 12
 

@@ -3,7 +3,7 @@
 import json
 
 from PIL import Image
-from sequence_writer import SequenceWriter, textured
+from polhode_ground.testing.sequence_writer import SequenceWriter, textured
 
 ORIENTATION = 0x0112
 

@@ -9,8 +9,8 @@ import sys
 import numpy
 import pytest
 from PIL import Image
-from replay_files import REPOSITORY, motion_rows, summary
-from sequence_writer import SequenceWriter, textured
+from polhode_ground.testing.replay_files import REPOSITORY, motion_rows, summary
+from polhode_ground.testing.sequence_writer import SequenceWriter, textured
 
 HEADER = (
     "frame,timestamp_ns,mode,pose_valid,rate_valid,velocity_valid,scale_known,"

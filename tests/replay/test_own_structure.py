@@ -1,15 +1,12 @@
 """The servicer's own in the view, named as mask.file: it is no target, and a picture that can't be it is refused before the start."""
 
 import json
-import sys
 
 import numpy
 import pytest
 from PIL import Image
-from replay_files import REPOSITORY, SAMPLE, motion_rows, summary
-from sequence_writer import HEIGHT, WIDTH, SequenceWriter, textured
-
-sys.path[:0] = [str(REPOSITORY / "hil")]
+from polhode_ground.testing.replay_files import REPOSITORY, SAMPLE, motion_rows, summary
+from polhode_ground.testing.sequence_writer import HEIGHT, WIDTH, SequenceWriter, textured
 
 FRAMES = 20
 STEPS = [{"kind": "own_structure", "reach_part": 0.3}, {"kind": "caption", "height_part": 0.06}]
@@ -33,8 +30,8 @@ def corner() -> numpy.ndarray:
 @pytest.fixture(scope="module")
 def scenes(tmp_path_factory):
     """(clean sequence, the same with an arm, a caption and a counter painted in, picture of where these are)."""
-    from transforms.footage import read_footage, write_footage
-    from transforms.table import KINDS, options_of
+    from polhode_ground.transforms.footage import read_footage, write_footage
+    from polhode_ground.transforms.table import KINDS, options_of
     folder = tmp_path_factory.mktemp("scenes")
     footage = read_footage(SAMPLE)
     clean = footage.changed(footage.shots[:FRAMES])

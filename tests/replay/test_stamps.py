@@ -3,7 +3,7 @@
 import math
 import os
 
-from replay_files import SAMPLE, motion_rows, summary
+from polhode_ground.testing.replay_files import SAMPLE, motion_rows, summary
 
 FRAMES = 26
 FIRST_NS = 1_700_000_000_000_000_000

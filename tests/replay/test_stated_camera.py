@@ -4,7 +4,7 @@ import os
 import re
 
 import pytest
-from replay_files import SAMPLE, judged_motion, motion_rows, summary
+from polhode_ground.testing.replay_files import SAMPLE, judged_motion, motion_rows, summary
 
 FOCAL_PX = 888.889
 STATED = [FOCAL_PX, FOCAL_PX, 319.5, 239.5]

@@ -1,10 +1,4 @@
-"""Makes the scene generator importable; its numerical parts need no Blender."""
-
-import sys
-from pathlib import Path
-
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "hil" / "scenes"))
+"""The scene generator's numerical parts need no Blender."""
 
 
 def pytest_configure(config):

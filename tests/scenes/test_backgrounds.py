@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from generator import backgrounds, pipeline, scene_file
-from generator import camera as cam
-from generator.rotations import quat_to_matrix
+from polhode_ground.scenes import backgrounds, pipeline, scene_file
+from polhode_ground.scenes import camera as cam
+from polhode_ground.scenes.rotations import quat_to_matrix
 
 
 def _plan(background, camera=None, light=None):

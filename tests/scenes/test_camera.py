@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from generator import camera as cam
+from polhode_ground.scenes import camera as cam
 
 LENS = (-0.21, 0.06, 0.0008, -0.0011)
 

@@ -4,8 +4,8 @@ import contextlib
 
 import numpy as np
 import pytest
-from generator import camera as cam
-from generator import laboratory, pipeline, scene_file
+from polhode_ground.scenes import camera as cam
+from polhode_ground.scenes import laboratory, pipeline, scene_file
 
 # Light on the table is halved within a disc about this point of the table plane.
 SPOT_C_M = np.array([0.03, 0.09, 0.45])

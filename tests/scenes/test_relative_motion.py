@@ -1,8 +1,8 @@
 """Relative orbits and camera attitudes."""
 
 import numpy as np
-from generator import pipeline, relative_motion, scene_file, truth
-from generator.rotations import quat_from_axis_angle, quat_to_matrix
+from polhode_ground.scenes import pipeline, relative_motion, scene_file, truth
+from polhode_ground.scenes.rotations import quat_from_axis_angle, quat_to_matrix
 
 N = 0.0011
 

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from generator import camera as cam
-from generator import png
-from generator.rotations import quat_to_matrix
+from polhode_ground.scenes import camera as cam
+from polhode_ground.scenes import png
+from polhode_ground.scenes.rotations import quat_to_matrix
 
 ROOT = Path(__file__).resolve().parents[2]
 RENDER = ROOT / "hil" / "render_scene.sh"

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from generator import rigid_body
-from generator.rotations import quat_from_axis_angle, quat_multiply, quat_to_matrix
+from polhode_ground.scenes import rigid_body
+from polhode_ground.scenes.rotations import quat_from_axis_angle, quat_multiply, quat_to_matrix
 
 
 # verifies: GND-05

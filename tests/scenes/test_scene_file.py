@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from generator import scene_file
+from polhode_ground.scenes import scene_file
 
 SCENES = Path(__file__).resolve().parents[2] / "hil" / "scenes"
 STANDARD = ("paper_3d", "paper_2d", "earth", "damaged", "upper_stage", "fast_tumble", "far", "spin", "still", "limb", "lab_still")
@@ -87,7 +87,7 @@ def test_unreadable_files_and_unknown_variants_are_refused(tmp_path):
 @pytest.mark.parametrize("name", STANDARD)
 @pytest.mark.parametrize("variant", [None, "small"])
 def test_the_standard_scenes_load_and_their_targets_stay_in_view(name, variant):
-    from generator import mesh, pipeline
+    from polhode_ground.scenes import mesh, pipeline
 
     scene = scene_file.load(SCENES / f"{name}.toml", variant)
     scene["target"]["texture_px"] = 64
@@ -100,7 +100,7 @@ def test_the_standard_scenes_load_and_their_targets_stay_in_view(name, variant):
 
 def _spans_px(scene):
     """Width and height of the target's projection in each frame (N, 2) [px], and the scene's plan."""
-    from generator import camera, mesh, pipeline
+    from polhode_ground.scenes import camera, mesh, pipeline
 
     scene["target"]["texture_px"] = 64
     plan = pipeline.Plan(scene)
@@ -144,14 +144,14 @@ def test_the_other_standard_scenes_are_what_their_names_say():
 
 
 def test_rates_that_can_not_be_computed_are_refused_as_the_scene_that_they_are():
-    from generator import pipeline
+    from polhode_ground.scenes import pipeline
 
     with pytest.raises(scene_file.SceneError, match="motion.w0_T_deg_s: .* too many turns"):
         pipeline.Plan(scene_file.check(_with("motion", "w0_T_deg_s", [0, 0, 1e7])))
 
 
 def test_a_target_out_of_view_is_refused():
-    from generator import mesh, pipeline
+    from polhode_ground.scenes import mesh, pipeline
 
     for place, words in (([3.0, 0, 5.0], "its middle is at pixel"), ([0, 0, 0.3], "behind the camera")):
         raw = {**_with("motion", "p_CT0_m", place), "time": {"frames": 2}}
@@ -163,7 +163,7 @@ def test_a_target_out_of_view_is_refused():
 
 
 def test_a_large_window_gets_the_samples_that_a_frame_can_afford_but_three_at_least():
-    from generator import pipeline
+    from polhode_ground.scenes import pipeline
 
     assert pipeline.large_window_samples(16, 1, (0, 0, 640, 640)) is None
     assert pipeline.large_window_samples(16, 3, (0, 0, 640, 640)) is None
@@ -176,7 +176,7 @@ def test_a_large_window_gets_the_samples_that_a_frame_can_afford_but_three_at_le
 
 
 def test_the_fingerprint_tells_whether_windows_are_large():
-    from generator import mesh, pipeline, scene_file
+    from polhode_ground.scenes import mesh, pipeline, scene_file
 
     for range_m, large in ((9.0, False), (2.5, True)):
         scene = scene_file.check({**_with("motion", "p_CT0_m", [0, 0, range_m]), "time": {"frames": 2}})

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from generator import png
-from generator.sensor import Sensor, expose, response
+from polhode_ground.scenes import png
+from polhode_ground.scenes.sensor import Sensor, expose, response
 
 
 def test_a_frame_depends_only_on_seed_and_index():

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from generator import mesh, surfaces, noise
-from generator.targets import box, cubesat, damaged_cube, upper_stage
+from polhode_ground.scenes import mesh, noise, surfaces
+from polhode_ground.scenes.targets import box, cubesat, damaged_cube, upper_stage
 
 BUILDERS = {"box": box, "cubesat": cubesat, "damaged_cube": damaged_cube, "upper_stage": upper_stage}
 

@@ -8,12 +8,11 @@ import subprocess
 import sys
 
 import pytest
+from polhode_ground.website.links import dead_links
+from polhode_ground.website.pages import copy_pages, documents_of
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(REPOSITORY / "tools"), str(REPOSITORY / "hil")]
 
-from website.links import dead_links  # noqa: E402
-from website.pages import copy_pages, documents_of  # noqa: E402
 
 NEEDED = {"doxygen": shutil.which("doxygen")} | {name: importlib.util.find_spec(name) for name in ("sphinx", "myst_parser", "breathe")}
 MISSING = [name for name, found in NEEDED.items() if not found]

@@ -20,7 +20,7 @@ WHOLE_STATE = re.compile(r"(?:Component::)?State\s*[*&]")
 CHOSEN = re.compile(r"\bchosen\b", re.IGNORECASE)
 # Written so that these lines do not match themselves.
 PATH_LINE = re.compile(r"\bsys\.path\b")
-SILENCED_LINE = re.compile(r"#\s*noqa\b")
+SILENCED_LINE = re.compile(r"#\s*(?:noqa\b|type:\s*ignore|(?:fmt|mypy|pylint|ruff):)")
 
 Graph = dict[pathlib.Path, set[pathlib.Path]]
 
@@ -123,7 +123,7 @@ def imports_of(file: pathlib.Path) -> list[tuple[str, list[str]]]:
 
 
 def import_graph(files: list[pathlib.Path]) -> Graph:
-    """Scripts extend their search path, so a module is found by the end of its path; of several the nearest counts."""
+    """A module is found by the end of its path, as tests name their helpers without their folder; of several the nearest counts."""
     by_stem: dict[str, list[pathlib.Path]] = {}
     for file in files:
         by_stem.setdefault(file.parent.name if file.stem == "__init__" else file.stem, []).append(file)

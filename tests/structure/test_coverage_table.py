@@ -2,15 +2,11 @@
 
 import json
 import subprocess
-import sys
 
 import pytest
+from polhode_ground.checking.coverage_table import read_summary, table
+from polhode_ground.common.errors import BadInput
 from source_tree import REPOSITORY
-
-sys.path[:0] = [str(REPOSITORY / "tools"), str(REPOSITORY / "hil")]
-
-from coverage_table import read_summary, table  # noqa: E402
-from judge.errors import BadInput  # noqa: E402
 
 
 def counts(name, lines, line_total, branches, branch_total):

@@ -4,8 +4,7 @@ import re
 
 import pytest
 from cpp_parts import MEMBERS_MAX, structs_of
-from source_tree import (ROOTS, code_of, cpp_functions, name_of, own_includes, python_functions, source_files,
-                         system_includes, REPOSITORY)
+from source_tree import REPOSITORY, ROOTS, code_of, cpp_functions, name_of, own_includes, python_functions, source_files, system_includes
 
 FOUNDATION = ["base", "geometry", "solve"]
 FLOW = ["image", "mask", "features", "tracks", "initialisation", "map", "shape", "motion", "bus", "pipeline"]

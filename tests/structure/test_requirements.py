@@ -1,18 +1,14 @@
 """Requirements and tests name each other, in both directions, and so does the table of failures (tools/requirements_matrix.py)."""
 
 import subprocess
-import sys
 
 import pytest
+from polhode_ground.common.errors import BadInput
+from polhode_ground.verification.catalogue import read_stage, read_stages
+from polhode_ground.verification.requirements_matrix import all_faults, outcome, print_matrix, rows_of, write_pages
+from polhode_ground.verification.tests import read_results, read_tests, result_of
 from source_tree import REPOSITORY
 from test_documents import SENTENCE_WORDS_MAX, sentences_of, words_of
-
-sys.path[:0] = [str(REPOSITORY / "tools"), str(REPOSITORY / "hil")]
-
-from judge.errors import BadInput  # noqa: E402
-from requirements_matrix import all_faults, outcome, print_matrix, rows_of, write_pages  # noqa: E402
-from verification.catalogue import read_stage, read_stages  # noqa: E402
-from verification.tests import read_results, read_tests, result_of  # noqa: E402
 
 TAG = "verifies" + ": "  # in two, or this file's own lines would be taken for tags
 FEW, MANY = 60, 160  # fewer leave a stage out, more are read by nobody

@@ -4,10 +4,10 @@ import pathlib
 
 import numpy as np
 import trimesh
-from judge.fault_log import LogEntry
-from judge.sequence import Camera
+from polhode_ground.common.fault_log import LogEntry
+from polhode_ground.common.sequence import Camera
+from polhode_ground.transforms.footage import Footage, Shot, write_footage
 from scipy.spatial.transform import Rotation
-from transforms.footage import Footage, Shot, write_footage
 
 FRAMES, PERIOD_S, START_NS = 40, 0.5, 1_700_000_000_000_000_000
 PLATE_M = (0.9, 0.7, 0.02)

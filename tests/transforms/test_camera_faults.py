@@ -5,11 +5,11 @@ import subprocess
 
 import numpy
 import pytest
-from judge.fault_log import LOG_FILE, read_log
-from judge.faulted import COUNTER_OF, judge_faulted
-from judge.sequence import read_sequence
-from transforms.camera_faults import plan
-from transforms.table import transform
+from polhode_ground.common.fault_log import LOG_FILE, read_log
+from polhode_ground.common.sequence import read_sequence
+from polhode_ground.judge.faulted import COUNTER_OF, judge_faulted
+from polhode_ground.transforms.camera_faults import plan
+from polhode_ground.transforms.table import transform
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 PROGRAM = REPOSITORY / "build/release/bin/polhode"

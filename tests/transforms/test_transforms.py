@@ -11,13 +11,13 @@ import dotted
 import numpy as np
 import pytest
 import trimesh
-from judge import align
-from judge.errors import BadInput
-from judge.fault_log import LOG_FILE, read_log
-from judge.sequence import read_sequence
-from judge.tables import read_motion
-from transforms.footage import read_footage
-from transforms.table import KINDS, options_of, transform
+from polhode_ground.common.errors import BadInput
+from polhode_ground.common.fault_log import LOG_FILE, read_log
+from polhode_ground.common.sequence import read_sequence
+from polhode_ground.common.tables import read_motion
+from polhode_ground.judge import align
+from polhode_ground.transforms.footage import read_footage
+from polhode_ground.transforms.table import KINDS, options_of, transform
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 # Pictures that do not show the truth of their stamps, in the frames that the log names.

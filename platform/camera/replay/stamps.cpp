@@ -98,7 +98,8 @@ std::string bursts(std::span<const std::int64_t> intervals, double median_ns) {
 std::string gaps(std::span<const std::int64_t> stamps_ns,
                  std::span<const std::int64_t> intervals,
                  double median_ns) {
-  // Chosen as in tools/importing/stamps.py: fewer intervals, or such that vary, count no frames.
+  // Chosen as in tools/polhode_ground/importing/stamps.py: fewer intervals, or such that vary,
+  // count no frames.
   constexpr std::size_t kIntervalsMin = 9;
   constexpr double kRegularWidth = 0.25;
   constexpr double kRegularShare = 0.8;

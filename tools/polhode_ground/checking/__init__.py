@@ -1,0 +1,1 @@
+"""Checks of the program, its builds and its packages."""

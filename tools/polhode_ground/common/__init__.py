@@ -1,0 +1,1 @@
+"""What all others use: the environment of a command, errors, files, sequences, tables."""

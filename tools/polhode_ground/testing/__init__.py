@@ -1,0 +1,1 @@
+"""Made-up sequences and runs, for tests."""

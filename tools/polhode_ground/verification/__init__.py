@@ -1,0 +1,1 @@
+"""Requirements and faults beside the tests that verify them."""
