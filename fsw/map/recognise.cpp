@@ -190,8 +190,8 @@ std::vector<std::size_t> of_different_sides(const std::vector<std::size_t>& name
 /// round to round. A vote has the side that its keyframe saw, up to 20 deg and more from this one;
 /// the places of many tell this one.
 Pose fit_to_votes(const LocaliseInput& input, const std::vector<Vote>& votes, Pose pose) {
-  constexpr int kRounds = 4;
-  constexpr double kNearer = 0.7;  // to a third in all
+  constexpr int kRounds = 4;       // to a third in all, in which features are then searched
+  constexpr double kNearer = 0.7;  // chosen: half of the area
   constexpr double kSigmas = 4.0;  // within reach of what is searched for
   std::vector<PoseObservation> observations;
   double part = kReachPart;
@@ -275,6 +275,7 @@ void try_pose(const Pose& pose, Trials* trials, LocalisedFrame* out) {
 /// The poses that bodies of two, three, four or six alike sides have as well, about each of the
 /// landmarks' principal axes.
 std::vector<Pose> turned_about_axes(const Map& map, const Pose& pose) {
+  // Of two, three, four and six sides.
   constexpr std::array kTurns_deg = {60.0, 90.0, 120.0, 180.0, 240.0, 270.0, 300.0};
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
   for (const Landmark& landmark : map.landmarks) {

@@ -163,8 +163,7 @@ PoseCovariance drift_I(const MotionEstimate& m, const MapDrift& drift) {
 
 std::optional<Eigen::Matrix3d> take_observer(const std::optional<Eigen::Quaterniond>& q_IC,
                                              MotionEstimate* m) {
-  constexpr double kNormError =
-      1e-2;  // of a printed or single-precision unit quaternion, generously
+  constexpr double kNormError = 1e-2;  // of a unit quaternion as it is printed, generously
   if (!q_IC || !(std::abs(q_IC->norm() - 1.0) < kNormError)) {
     return std::nullopt;
   }
@@ -280,8 +279,7 @@ void reset_poses(MotionEstimate* m) {
   m->recent.clear();
   m->past.clear();
   replace_model({}, m);
-  m->poses_since_fit = 0;
-  m->poses_since_start = 0;
+  m->poses_since_fit = m->poses_since_start = 0;
   m->moves_so_since_ns = INT64_MIN;
   m->known_body = {};
   forget_seen(m);

@@ -62,7 +62,9 @@ std::vector<PositionSample> samples(int count,
 }
 
 TranslationProblem problem_of(std::span<const PositionSample> samples, double offset_sigma) {
-  return {.samples = samples, .orbit = {}, .mass_centre_sigma = Eigen::Vector3d::Constant(offset_sigma)};
+  return {.samples = samples,
+          .orbit = {},
+          .mass_centre_sigma = Eigen::Vector3d::Constant(offset_sigma)};
 }
 
 TEST(TranslationFit, RecoversTheExactPathWithoutNoise) {
@@ -76,8 +78,8 @@ TEST(TranslationFit, RecoversTheExactPathWithoutNoise) {
 TEST(TranslationFit, FollowsAnOrbit) {
   const Orbit orbit{.mean_motion_rad_s = 0.0011, .R_IH = so3_exp({0.2, 0.5, -0.1})};
   const std::vector<PositionSample> exact = samples(200, kTumble, 0.0, 1, orbit);
-  const auto path =
-      solve_translation({.samples = exact, .orbit = orbit, .mass_centre_sigma = Eigen::Vector3d::Constant(100.0)});
+  const auto path = solve_translation(
+      {.samples = exact, .orbit = orbit, .mass_centre_sigma = Eigen::Vector3d::Constant(100.0)});
   ASSERT_TRUE(path.ok());
   EXPECT_LT((path.value().unknowns - truth()).norm(), 1e-6);
   const auto straight = solve_translation(problem_of(exact, 100.0));
