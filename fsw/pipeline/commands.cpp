@@ -7,6 +7,7 @@
 #include "base/time_doubt.hpp"
 #include "bus/commands.hpp"
 #include "bus/dynamics_telemetry.hpp"
+#include "bus/event_reports.hpp"
 #include "motion/disturbance.hpp"
 #include "pipeline/parameter_image.hpp"
 #include "pipeline/point_question.hpp"
@@ -16,8 +17,9 @@
 namespace polhode {
 namespace {
 
+namespace event = bus::event;
+
 using bus::Command;
-using bus::EventId;
 using bus::Refusal;
 using bus::Rejection;
 
@@ -123,10 +125,10 @@ Outcome request_cloud(const Command& command, Component::State* s) {
       (void)cloud.points_T.push_back({p.x(), p.y(), p.z()});
     }
   }
-  const auto packets = static_cast<double>(chunks_of(cloud.points_T.size()));
-  bus::report(EventId::kCloudBegun,
-              {.values = {static_cast<double>(cloud.points_T.size()), packets}},
-              &s->bus.events);
+  const std::size_t points = cloud.points_T.size();
+  event::cloud_begun({.points = static_cast<std::uint32_t>(points),
+                      .packets = static_cast<std::uint32_t>(chunks_of(points))},
+                     &s->bus.events);
   return kDone;
 }
 
@@ -140,21 +142,18 @@ Outcome table_load(const Command& command, Component::State* s) {
     const bool good = row != nullptr && may_change_in_flight(row->key) &&
                       set_from_bits(*row, entry.index, entry.value, &changed);
     if (!good) {
-      bus::report(EventId::kTableRefused,
-                  {.values = {static_cast<double>(i), 0.0},
-                   .word = row == nullptr ? std::string_view("unknown key") : row->key},
-                  &s->bus.events);
+      event::table_refused({.entry = static_cast<std::uint32_t>(i),
+                            .key = row == nullptr ? "unknown key" : row->key},
+                           &s->bus.events);
       return "entry";
     }
   }
   table.begun = true;
   table.parameters = changed;
   table.crc = crc32_iso_hdlc(command.entry_octets(), table.crc);
-  table.entries += static_cast<std::uint32_t>(command.entries);
-  bus::report(
-      EventId::kTableLoaded,
-      {.values = {static_cast<double>(command.entries), static_cast<double>(table.entries)}},
-      &s->bus.events);
+  const auto entries = static_cast<std::uint32_t>(command.entries);
+  table.entries += entries;
+  event::table_loaded({.entries = entries, .in_all = table.entries}, &s->bus.events);
   return kDone;
 }
 
@@ -180,7 +179,7 @@ Outcome table_activate(const Command& command, Component::State* s) {
   Configuration& c = s->configuration;
   const std::string_view why = objection(command.arguments<bus::TableActivateCommand>(), c);
   if (!why.empty()) {
-    bus::report(EventId::kTableNotActivated, {.word = why}, &s->bus.events);
+    event::table_not_activated({.reason = why}, &s->bus.events);
     return why;
   }
   // Length and range may have come by command since the table was begun.
@@ -194,9 +193,7 @@ Outcome table_activate(const Command& command, Component::State* s) {
   }
   c.inactive = {};
   c.table_crc = table_crc(c.parameters);
-  bus::report(EventId::kTableActivated,
-              {.values = {static_cast<double>(c.table_crc), 0.0}},
-              &s->bus.events);
+  event::table_activated({.crc = c.table_crc}, &s->bus.events);
   return kDone;
 }
 
@@ -209,7 +206,7 @@ Outcome table_discard(Component::State* s) {
 }
 
 Outcome noop(Component::State* s) {
-  bus::report(EventId::kNoop, {.word = kVersion}, &s->bus.events);
+  event::noop({.version = kVersion}, &s->bus.events);
   return kDone;
 }
 
@@ -221,20 +218,13 @@ Outcome reset_counters(Component::State* s) {
   s->bus.events.counts = {};
   s->bus.events.sent = 0;
   s->bus.events.suppressed = 0;
-  bus::report(EventId::kCountersReset, {}, &s->bus.events);
+  event::counters_reset(&s->bus.events);
   return kDone;
 }
 
 Outcome checkpoint(Component::State* s) {
   s->answer.output.checkpoint_asked = true;
-  bus::report(EventId::kCheckpointAsked,
-              {.values = {static_cast<double>(s->clock.frame), 0.0}},
-              &s->bus.events);
-  return kDone;
-}
-
-Outcome reset_map(Component::State* s) {
-  reset_target(s);
+  event::checkpoint_asked({.frame = s->clock.frame}, &s->bus.events);
   return kDone;
 }
 
@@ -266,7 +256,8 @@ Outcome carry_out(const Command& command, Component::State* s) {
     case bus::CommandCode::kResetCounters:
       return reset_counters(s);
     case bus::CommandCode::kResetMap:
-      return reset_map(s);
+      reset_target(s);
+      return kDone;
     case bus::CommandCode::kHold:
       return command_hold(s);
     case bus::CommandCode::kResume:
@@ -298,19 +289,18 @@ bool answers_by_itself(bus::CommandCode code) {
   return code == bus::CommandCode::kNoop || code == bus::CommandCode::kResetCounters;
 }
 
-void reject(Rejection reason, const bus::EventDetails& details, Component::State* s) {
+void reject(const Refusal& refusal, Component::State* s) {
   ++s->bus.commands.rejected;
-  s->bus.commands.last_rejection = reason;
-  bus::report(bus::event_of(reason), details, &s->bus.events);
+  s->bus.commands.last_rejection = refusal.reason;
+  bus::report_refusal(refusal, &s->bus.events);
 }
 
 /// Answered, but not carried out again, and in none of the counters of commands.
 void answer_again(const Command& command, Component::State* s) {
-  bus::report(EventId::kCommandRepeated,
-              {.values = {static_cast<double>(command.code),
-                          static_cast<double>(bus::command_sequence(command.octets))},
-               .word = command.layout->name},
-              &s->bus.events);
+  event::command_repeated({.command = command.code,
+                           .name = command.layout->name,
+                           .sequence = bus::command_sequence(command.octets)},
+                          &s->bus.events);
 }
 
 void execute(std::span<const std::uint8_t> octets, Component::State* s) {
@@ -321,17 +311,19 @@ void execute(std::span<const std::uint8_t> octets, Component::State* s) {
     s->bus.commands.last_code = bus::get_u8(octets, bus::kCommandHeaderOctets - 1);
   }
   if (refusal.reason != Rejection::kNone) {
-    reject(refusal.reason, refusal.details, s);
+    reject(refusal, s);
     return;
   }
   if (bus::was_done(octets, s->clock.timestamp_ns, s->bus.commands_done)) {
     answer_again(command, s);
     return;
   }
-  const double code = static_cast<double>(command.code);
   const Outcome outcome = carry_out(command, s);
   if (outcome != kDone) {
-    reject(Rejection::kState, {.values = {code, 0.0}, .word = outcome}, s);
+    reject({.reason = Rejection::kState,
+            .code = static_cast<std::uint8_t>(command.code),
+            .why = outcome},
+           s);
     return;
   }
   if (command.code != bus::CommandCode::kServicerAttitude) {  // refuses a repeated time by itself
@@ -339,9 +331,8 @@ void execute(std::span<const std::uint8_t> octets, Component::State* s) {
   }
   ++s->bus.commands.accepted;
   if (!answers_by_itself(command.code)) {
-    bus::report(EventId::kCommandAccepted,
-                {.values = {code, 0.0}, .word = command.layout->name},
-                &s->bus.events);
+    event::command_accepted({.command = command.code, .name = command.layout->name},
+                            &s->bus.events);
   }
 }
 
@@ -356,11 +347,9 @@ void execute_commands(std::span<const std::span<const std::uint8_t>> commands,
   }
   s->bus.events.command_sequence = 0;
   if (commands.size() > read) {
-    const std::size_t beyond = commands.size() - read;
-    reject(Rejection::kTooMany,
-           {.values = {static_cast<double>(beyond), static_cast<double>(limits::kStepCommands)}},
-           s);
-    s->bus.commands.rejected += static_cast<std::uint32_t>(beyond - 1);
+    const auto beyond = static_cast<std::uint32_t>(commands.size() - read);
+    reject({.reason = Rejection::kTooMany, .beyond = beyond}, s);
+    s->bus.commands.rejected += beyond - 1;
   }
 }
 

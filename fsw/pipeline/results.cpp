@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "base/assert.hpp"
+#include "bus/event_reports.hpp"
 #include "pipeline/begin.hpp"
 #include "pipeline/counting.hpp"
 #include "pipeline/map_update.hpp"
@@ -36,10 +37,9 @@ void take_shape_result(const Job& job, Component::State* s) {
   }
   ++s->counters.shapes;
   if (take_shape(work, s->shape.frame_asked, &s->shape)) {
-    bus::report(bus::EventId::kShapeKnown,
-                {.values = {static_cast<double>(work.outcome->cloud_points),
-                            static_cast<double>(work.outcome->planes.size())}},
-                &s->bus.events);
+    bus::event::shape_known({.points = static_cast<std::uint32_t>(work.outcome->cloud_points),
+                             .planes = static_cast<std::uint32_t>(work.outcome->planes.size())},
+                            &s->bus.events);
   }
   // A rectangle ends where its points do, and what was seen from one aspect is bent: only a body
   // that was seen over a quarter turn has known lengths.

@@ -1,6 +1,7 @@
 #include "pipeline/scrub.hpp"
 
 #include "base/sound.hpp"
+#include "bus/event_reports.hpp"
 #include "bus/mend.hpp"
 #include "map/mend.hpp"
 #include "map/soundness.hpp"
@@ -16,10 +17,10 @@ namespace {
 
 void tell(std::string_view table, const Mended& mended, Component::State* s) {
   ++s->bus.tables_damaged;
-  bus::report(
-      bus::EventId::kTableDamaged,
-      {.values = {static_cast<double>(mended.entries), mended.reset ? 1.0 : 0.0}, .word = table},
-      &s->bus.events);
+  bus::event::table_damaged({.table = table,
+                             .entries = static_cast<std::uint32_t>(mended.entries),
+                             .reset = mended.reset},
+                            &s->bus.events);
 }
 
 void scrub_configuration(Component::State* s) {
