@@ -66,7 +66,7 @@ void detect_once(const PictureState& picture,
   }
   const CameraModel& camera = configuration.camera;
   Features* features = &state->features;
-  detect_features(picture.gray, picture.mask, camera, options, &state->workspace, features);
+  detect_features({&picture.gray, &picture.mask}, camera, options, &state->workspace, features);
   to_frame_time(camera, state->image_motion, features);
   leave_out_resting(&state->resting, features);
   state->ready = true;
