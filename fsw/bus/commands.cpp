@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "bus/event_reports.hpp"
+
 namespace polhode::bus {
 namespace {
 
@@ -17,7 +19,9 @@ bool header_is_right(std::span<const std::uint8_t> octets, int apid_first) {
 }
 
 Refusal wrong_length(std::size_t is, std::size_t expected) {
-  return {Rejection::kLength, {.values = {static_cast<double>(is), static_cast<double>(expected)}}};
+  return {.reason = Rejection::kLength,
+          .octets = static_cast<std::uint32_t>(is),
+          .octets_expected = static_cast<std::uint32_t>(expected)};
 }
 
 /// The length that the command must have, by its own count of entries if it has any.
@@ -28,10 +32,6 @@ std::size_t exact_octets(CommandCode code, std::span<const std::uint8_t> octets)
   }
   return layout.octets +
          get_u16(octets, table_load_layout::kEntries) * TableLoadEntry::layout().octets;
-}
-
-Refusal out_of_range_of(CommandCode code, std::string_view field) {
-  return {Rejection::kRange, {.values = {static_cast<double>(code), 0.0}, .word = field}};
 }
 
 /// Values that are each in range but contradict each other. @return the field, or empty.
@@ -87,14 +87,14 @@ Refusal read_command(std::span<const std::uint8_t> octets, int apid_first, Comma
     return wrong_length(octets.size(), stated);
   }
   if (!header_is_right(octets, apid_first)) {
-    return {Rejection::kHeader, {}};
+    return {.reason = Rejection::kHeader};
   }
   if (!crc_is_right(octets)) {
-    return {Rejection::kCrc, {.values = {static_cast<double>(octets.size()), 0.0}}};
+    return {.reason = Rejection::kCrc, .octets = static_cast<std::uint32_t>(octets.size())};
   }
   const std::uint8_t code = get_u8(octets, kCodeOctet);
   if (code >= command_layouts().size()) {
-    return {Rejection::kUnknownCode, {.values = {static_cast<double>(code), 0.0}}};
+    return {.reason = Rejection::kUnknownCode, .code = code};
   }
   command->code = static_cast<CommandCode>(code);
   command->layout = command_layouts()[code];
@@ -105,28 +105,30 @@ Refusal read_command(std::span<const std::uint8_t> octets, int apid_first, Comma
   }
   command->entries = (expected - command->layout->octets) / TableLoadEntry::layout().octets;
   const std::string_view bad = bad_argument(*command);
-  return bad.empty() ? Refusal{} : out_of_range_of(command->code, bad);
+  return bad.empty() ? Refusal{} : Refusal{.reason = Rejection::kRange, .code = code, .why = bad};
 }
 
-EventId event_of(Rejection reason) {
-  switch (reason) {
+void report_refusal(const Refusal& refusal, EventLog* log) {
+  const auto command = static_cast<CommandCode>(refusal.code);
+  switch (refusal.reason) {
     case Rejection::kLength:
-      return EventId::kCommandLength;
+      return event::command_length({.octets = refusal.octets, .expected = refusal.octets_expected},
+                                   log);
     case Rejection::kCrc:
-      return EventId::kCommandCrc;
+      return event::command_crc({.octets = refusal.octets}, log);
     case Rejection::kUnknownCode:
-      return EventId::kCommandUnknown;
+      return event::command_unknown({.code = refusal.code}, log);
     case Rejection::kRange:
-      return EventId::kCommandRange;
+      return event::command_range({.command = command, .argument = refusal.why}, log);
     case Rejection::kState:
-      return EventId::kCommandState;
+      return event::command_state({.command = command, .reason = refusal.why}, log);
     case Rejection::kTooMany:
-      return EventId::kCommandTooMany;
+      return event::command_too_many({.beyond = refusal.beyond, .limit = limits::kStepCommands},
+                                     log);
     case Rejection::kNone:
     case Rejection::kHeader:
-      break;
+      return event::command_header(log);
   }
-  return EventId::kCommandHeader;
 }
 
 }  // namespace polhode::bus

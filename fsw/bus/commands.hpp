@@ -37,10 +37,15 @@ struct Command {
   [[nodiscard]] std::span<const std::uint8_t> entry_octets() const;
 };
 
-/// Why a packet is no command, for the event that reports it.
+/// Why a packet is no command, or a command is not carried out. Each member is meaningful with the
+/// reasons said.
 struct Refusal {
   Rejection reason = Rejection::kNone;
-  EventDetails details;
+  std::uint32_t octets = 0;           ///< kLength, kCrc: of the packet
+  std::uint32_t octets_expected = 0;  ///< kLength
+  std::uint8_t code = 0;              ///< kUnknownCode, kRange, kState: of the command
+  std::string_view why{};             ///< kRange: the argument; kState: in words
+  std::uint32_t beyond = 0;           ///< kTooMany: commands past limits::kStepCommands
 };
 
 /// Checks, in this order: the length that the header states is that of `octets`; version, type,
@@ -49,7 +54,7 @@ struct Refusal {
 /// @return Rejection::kNone, and the command; it refers to `octets`.
 Refusal read_command(std::span<const std::uint8_t> octets, int apid_first, Command* command);
 
-/// The event that reports a refusal.
-EventId event_of(Rejection reason);
+/// Reports a refusal by its event.
+void report_refusal(const Refusal& refusal, EventLog* log);
 
 }  // namespace polhode::bus

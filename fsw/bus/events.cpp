@@ -100,7 +100,7 @@ std::size_t event_text(std::string_view pattern, const EventDetails& details, st
   return line.size();
 }
 
-void report(EventId id, const EventDetails& details, EventLog* log) {
+void log_event(EventId id, const EventDetails& details, EventLog* log) {
   const std::size_t index = index_of(id);
   EventCount& count = log->counts[index];
   ++count.occurrences;

@@ -36,9 +36,9 @@ struct EventDetails {
   std::string_view word = {};      ///< cut where the text is full
 };
 
-/// Reports an event. Past its id's burst in a window, or with no room left in this step, it is
-/// only counted.
-void report(EventId id, const EventDetails& details, EventLog* log);
+/// What the functions of event_reports.hpp share, by which alone events are reported. Past its id's
+/// burst in a window, or with no room left in this step, an event is only counted.
+void log_event(EventId id, const EventDetails& details, EventLog* log);
 
 /// Sends what was reported in this step.
 /// @param frame  a window ends with the frame bus.event_window_frames after its first one. Events

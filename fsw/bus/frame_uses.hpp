@@ -1,10 +1,9 @@
-// What may be wrong with a frame: one row for each, with its counter and its event.
+// What may be wrong with a frame: one row for each, with its counter.
 #pragma once
 
 #include <cstdint>
 
 #include "bus/counters.hpp"
-#include "bus/event_table.hpp"
 #include "image/frame_use.hpp"
 #include "image/verdict.hpp"
 
@@ -14,35 +13,21 @@ namespace polhode {
 struct FrameUseRow {
   FrameUse use;
   std::uint32_t Counters::*counter;  ///< nullptr: it is counted by what is wrong with the picture
-  bus::EventId event;
-  bool has_event;
-  bool looked_at;  ///< there was a picture, good or bad, with a time of its own
+  bool looked_at;                    ///< there was a picture, good or bad, with a time of its own
 };
 
 inline constexpr FrameUseRow kFrameUseRows[] = {
-    {FrameUse::kUsed, &Counters::frames_used, {}, false, true},
-    {FrameUse::kUnreadable,
-     &Counters::frames_unreadable,
-     bus::EventId::kFrameUnreadable,
-     true,
-     false},
-    {FrameUse::kWrongSize,
-     &Counters::frames_wrong_size,
-     bus::EventId::kFrameWrongSize,
-     true,
-     false},
-    {FrameUse::kTimeNotIncreasing,
-     &Counters::frames_time_not_increasing,
-     bus::EventId::kFrameTimeNotIncreasing,
-     true,
-     false},
-    {FrameUse::kHeld, &Counters::frames_held, {}, false, false},
-    {FrameUse::kDark, nullptr, bus::EventId::kFrameDark, true, true},
-    {FrameUse::kFlat, nullptr, bus::EventId::kFrameFlat, true, true},
-    {FrameUse::kSaturated, nullptr, bus::EventId::kFrameSaturated, true, true},
-    {FrameUse::kFrozen, nullptr, bus::EventId::kFrameFrozen, true, true},
-    {FrameUse::kTorn, nullptr, bus::EventId::kFrameTorn, true, true},
-    {FrameUse::kBitErrors, nullptr, bus::EventId::kFrameBitErrors, true, true},
+    {FrameUse::kUsed, &Counters::frames_used, true},
+    {FrameUse::kUnreadable, &Counters::frames_unreadable, false},
+    {FrameUse::kWrongSize, &Counters::frames_wrong_size, false},
+    {FrameUse::kTimeNotIncreasing, &Counters::frames_time_not_increasing, false},
+    {FrameUse::kHeld, &Counters::frames_held, false},
+    {FrameUse::kDark, nullptr, true},
+    {FrameUse::kFlat, nullptr, true},
+    {FrameUse::kSaturated, nullptr, true},
+    {FrameUse::kFrozen, nullptr, true},
+    {FrameUse::kTorn, nullptr, true},
+    {FrameUse::kBitErrors, nullptr, true},
 };
 
 /// What is wrong with a picture: counted whether it is skipped for that or used for a pose only.

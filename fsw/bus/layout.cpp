@@ -24,18 +24,18 @@ std::uint16_t packets_missing(std::uint16_t previous, std::uint16_t current) {
                                     kSequenceModulus);
 }
 
-void set_time(std::int64_t timestamp_ns, PacketHeader& header) {
+void set_time(std::int64_t timestamp_ns, PacketHeader* header) {
   const std::int64_t seconds = timestamp_ns / kNanosecondsPerSecond;
-  header.seconds = 0;
-  header.fraction_2_24 = 0;
-  header.time_quality = TimeQuality::kOutOfRange;
+  header->seconds = 0;
+  header->fraction_2_24 = 0;
+  header->time_quality = TimeQuality::kOutOfRange;
   if (timestamp_ns < 0 || seconds > std::numeric_limits<std::uint32_t>::max()) {
     return;
   }
   const std::int64_t rest_ns = timestamp_ns % kNanosecondsPerSecond;
-  header.seconds = static_cast<std::uint32_t>(seconds);
-  header.fraction_2_24 = static_cast<std::uint32_t>((rest_ns << 24U) / kNanosecondsPerSecond);
-  header.time_quality = TimeQuality::kCamera;
+  header->seconds = static_cast<std::uint32_t>(seconds);
+  header->fraction_2_24 = static_cast<std::uint32_t>((rest_ns << 24U) / kNanosecondsPerSecond);
+  header->time_quality = TimeQuality::kCamera;
 }
 
 void write_header(const PacketHeader& header, std::span<std::uint8_t> out) {

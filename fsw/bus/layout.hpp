@@ -49,7 +49,7 @@ struct PacketHeader {
 [[nodiscard]] std::uint16_t packets_missing(std::uint16_t previous, std::uint16_t current);
 
 /// CUC fields of a time stamp, rounded down to 2^-24 s (60 ns).
-void set_time(std::int64_t timestamp_ns, PacketHeader& header);
+void set_time(std::int64_t timestamp_ns, PacketHeader* header);
 
 /// Writes the 16 octets of `header`. `out` holds at least kHeaderOctets.
 void write_header(const PacketHeader& header, std::span<std::uint8_t> out);

@@ -229,7 +229,7 @@ struct HousekeepingPacket {
 /// Something happened. The id alone states what; the text is for people.
 struct EventPacket {
   std::int64_t timestamp_ns = 0;  ///< time of the frame; ns
-  std::array<double, 2> value{};  ///< the event's numbers, in the order of its text
+  std::array<double, 2> value{};  ///< the event's numbers, in the order of its arguments
   std::uint32_t frame = 0;  ///< index of the frame
   std::uint32_t occurrences = 0;  ///< events of this id since start or RESET_COUNTERS, this one and suppressed ones included
   std::uint32_t suppressed = 0;  ///< events of this id suppressed since the last one that was sent

@@ -7,7 +7,7 @@
 
 #include "bus/bus_state.hpp"
 #include "bus/dynamics_telemetry.hpp"
-#include "bus/frame_uses.hpp"
+#include "bus/event_reports.hpp"
 #include "bus/publish_motion.hpp"
 #include "shape/scale_state.hpp"
 
@@ -17,46 +17,30 @@ namespace {
 // Two numbers of six digits with a sign and an exponent, and what is between them.
 constexpr std::size_t kWordsOctetsMax = 64;
 
-void tell(EventId id, double first, double second, BusState* bus) {
-  report(id, {.values = {first, second}}, &bus->events);
-}
-
-void report_frame(const View& view, BusState* bus) {
-  const double number = view.motion->frame;
-  const FrameUseRow& row = row_of(view.use);
-  if (row.has_event) {
-    tell(row.event, number, static_cast<double>(view.verdict.measure), bus);
-  } else if (view.verdict.decision == FrameDecision::kCare) {
-    tell(EventId::kFrameWithCare, number, static_cast<double>(view.verdict.fault), bus);
-  }
-}
-
 void report_mode(const View& view, BusState* bus) {
   const MotionState& motion = *view.motion;
   Reported& reported = bus->reported;
   if (motion.mode == reported.mode) {
     return;
   }
-  tell(EventId::kModeChanged,
-       static_cast<double>(reported.mode),
-       static_cast<double>(motion.mode),
-       bus);
+  EventLog* log = &bus->events;
+  event::mode_changed({.before = reported.mode, .now = motion.mode}, log);
   if (reported.mode == Mode::kAcquiring && motion.mode == Mode::kTracking) {
-    tell(EventId::kTargetAcquired, motion.landmarks, motion.keyframes, bus);
+    event::target_acquired({.landmarks = motion.landmarks, .keyframes = motion.keyframes}, log);
   }
   const bool had_target = reported.mode == Mode::kTracking || reported.mode == Mode::kCoasting;
   if (had_target && motion.mode == Mode::kLost) {
-    tell(EventId::kTargetLost, view.counters->poses, 0.0, bus);
+    event::target_lost({.poses = view.counters->poses}, log);
   }
   if (motion.mode == Mode::kLost) {
     reported.frame_of_loss = motion.frame;
   }
   if (reported.mode == Mode::kLost && motion.mode == Mode::kTracking) {
-    const double frames = motion.frame - reported.frame_of_loss;
+    const std::uint32_t frames = motion.frame - reported.frame_of_loss;
     if (motion.target_frame != reported.target_frame) {
-      tell(EventId::kTargetFrameNew, frames, motion.target_frame, bus);
+      event::target_frame_new({.frames = frames, .target_frame = motion.target_frame}, log);
     } else {
-      tell(EventId::kTargetFoundAgain, frames, 0.0, bus);
+      event::target_found_again({.frames = frames}, log);
     }
   }
 }
@@ -68,7 +52,7 @@ void report_motion(const View& view, BusState* bus) {
   if (now == kDynamicsNone || now == reported) {
     return;
   }
-  tell(EventId::kMotionChanged, reported, now, bus);
+  event::motion_changed({.before = reported, .now = now}, &bus->events);
   reported = now;
 }
 
@@ -82,13 +66,14 @@ void report_times(const View& view, BusState* bus) {
   }
   Reported& reported = bus->reported;
   if (view.stamps.contradicted && !reported.stamps_doubted) {
-    tell(EventId::kStampsDoubted, view.stamps.shortest_s, view.stamps.longest_s, bus);
+    event::stamps_doubted(
+        {.shortest_s = view.stamps.shortest_s, .longest_s = view.stamps.longest_s}, &bus->events);
   }
   reported.stamps_doubted = view.stamps.contradicted;
   const Eigen::Map<const Eigen::Vector3d> w_T(motion.w_T_rad_s.data());
   const double rate_deg_s = motion.rate_valid ? w_T.norm() * 180.0 / std::numbers::pi : 0.0;
   if (rate_deg_s > kImplausible_deg_s && !reported.rate_implausible) {
-    tell(EventId::kRateImplausible, rate_deg_s, 0.0, bus);
+    event::rate_implausible({.rate_deg_s = rate_deg_s}, &bus->events);
   }
   reported.rate_implausible = rate_deg_s > kImplausible_deg_s;
 }
@@ -108,9 +93,9 @@ void report_camera(const CameraDoubt& camera, BusState* bus) {
     if (deviation == Deviation::kFocal) {
       const std::size_t octets =
           event_text("relative sigma {0}", {.values = {is.sigma / is.fits}}, words);
-      report(EventId::kFocalLengthDoubted,
-             {.values = {is.stated, is.fits}, .word = std::string_view(words.data(), octets)},
-             &bus->events);
+      event::focal_length_doubted(
+          {.stated_px = is.stated, .fits_px = is.fits, .sigma = {words.data(), octets}},
+          &bus->events);
       continue;
     }
     const bool is_point = deviation == Deviation::kPrincipalU;
@@ -118,18 +103,19 @@ void report_camera(const CameraDoubt& camera, BusState* bus) {
         is_point ? describe(Deviation::kPrincipalV, found, *camera.stated).fits : is.sigma;
     const std::size_t octets =
         event_text(is_point ? "{}" : "{} and sigma", {.word = is.name}, words);
-    report(EventId::kCameraContradicted,
-           {.values = {is.fits, second}, .word = std::string_view(words.data(), octets)},
-           &bus->events);
+    event::camera_contradicted(
+        {.quantity = {words.data(), octets}, .fits = is.fits, .sigma_or_v = second}, &bus->events);
   }
 }
 
 /// What the scale was, and what it is. That a first map has a unit of its own is no news.
 void report_scale(const ScaleState& scale, BusState* bus) {
   const ScaleNumber before = bus->reported.scale;
-  const double number = bus->scale.number;
+  const std::uint32_t number = bus->scale.number;
   if (scale.not_improved > bus->reported.scale_not_improved) {
-    tell(EventId::kScaleNotImproved, scale.relative_sigma, scale.keyframes_at_reading, bus);
+    event::scale_not_improved({.relative_sigma = scale.relative_sigma,
+                               .keyframes = static_cast<std::uint32_t>(scale.keyframes_at_reading)},
+                              &bus->events);
   }
   bus->reported.scale_not_improved = scale.not_improved;
   bus->reported.scale = bus->scale;
@@ -137,42 +123,71 @@ void report_scale(const ScaleState& scale, BusState* bus) {
     return;
   }
   if (!scale.known) {
-    tell(EventId::kScaleUnknown, before.unit.metres_per_mu, number, bus);
+    event::scale_unknown({.metres_per_mu = before.unit.metres_per_mu, .number = number},
+                         &bus->events);
     return;
   }
   std::array<char, kWordsOctetsMax> words{};
   const std::string_view pattern =
       before.unit.known ? "number {0}, before: {1}" : "number {0}, before: map units";
-  const std::size_t octets =
-      event_text(pattern, {.values = {number, before.unit.metres_per_mu}}, words);
-  report(EventId::kScaleKnown,
-         {.values = {scale.metres_per_mu, scale.relative_sigma},
-          .word = std::string_view(words.data(), octets)},
-         &bus->events);
+  const std::size_t octets = event_text(
+      pattern, {.values = {static_cast<double>(number), before.unit.metres_per_mu}}, words);
+  event::scale_known({.metres_per_mu = scale.metres_per_mu,
+                      .relative_sigma = scale.relative_sigma,
+                      .number = {words.data(), octets}},
+                     &bus->events);
 }
 
 }  // namespace
+
+void report_frame(std::uint32_t frame, FrameUse use, const FrameVerdict& verdict, EventLog* log) {
+  const auto measure = static_cast<double>(verdict.measure);
+  switch (use) {
+    case FrameUse::kUnreadable:
+      return event::frame_unreadable({.frame = frame}, log);
+    case FrameUse::kWrongSize:
+      return event::frame_wrong_size({.frame = frame}, log);
+    case FrameUse::kTimeNotIncreasing:
+      return event::frame_time_not_increasing({.frame = frame}, log);
+    case FrameUse::kDark:
+      return event::frame_dark({.frame = frame, .bright_level = measure}, log);
+    case FrameUse::kFlat:
+      return event::frame_flat({.frame = frame, .contrast = measure}, log);
+    case FrameUse::kSaturated:
+      return event::frame_saturated({.frame = frame, .fraction = measure}, log);
+    case FrameUse::kFrozen:
+      return event::frame_frozen({.frame = frame, .repeated_rows = measure}, log);
+    case FrameUse::kTorn:
+      return event::frame_torn({.frame = frame, .repeated_rows = measure}, log);
+    case FrameUse::kBitErrors:
+      return event::frame_bit_errors({.frame = frame, .traces = measure}, log);
+    case FrameUse::kUsed:
+    case FrameUse::kHeld:
+      break;
+  }
+  if (verdict.decision == FrameDecision::kCare) {
+    event::frame_with_care({.frame = frame, .fault = verdict.fault}, log);
+  }
+}
 
 void report_changes(const View& view, BusState* bus) {
   Reported& reported = bus->reported;
   const MotionState& motion = *view.motion;
   const ScaleState& scale = *view.scale;
   if (!reported.started) {
-    report(EventId::kStarted,
-           {.values = {static_cast<double>(view.table.crc), 0.0}, .word = view.version},
-           &bus->events);
+    event::started({.version = view.version, .table_crc = view.table.crc}, &bus->events);
   }
-  report_frame(view, bus);
+  report_frame(motion.frame, view.use, view.verdict, &bus->events);
   report_mode(view, bus);
   report_motion(view, bus);
   report_times(view, bus);
   report_camera(view.camera, bus);
   const Counters& now = *view.counters;
   if (now.closures != reported.counters.closures) {
-    tell(EventId::kLoopClosed, now.closures - reported.counters.closures, 0.0, bus);
+    event::loop_closed({.loops = now.closures - reported.counters.closures}, &bus->events);
   }
   if (now.tables_full != reported.counters.tables_full) {
-    tell(EventId::kTableFull, now.tables_full - reported.counters.tables_full, 0.0, bus);
+    event::table_full({.times = now.tables_full - reported.counters.tables_full}, &bus->events);
   }
   report_scale(scale, bus);
   reported.started = true;

@@ -30,7 +30,7 @@ std::size_t encode(const Layout& layout,
   PacketHeader header{.apid = static_cast<std::uint16_t>(apid),
                       .sequence = envelope.sequence,
                       .total_octets = layout.octets};
-  set_time(envelope.timestamp_ns, header);
+  set_time(envelope.timestamp_ns, &header);
   write_header(header, octets);
   pack_fields(layout, packet, octets);
   write_crc(octets);

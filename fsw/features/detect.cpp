@@ -95,12 +95,12 @@ void add_in_turn(const sift::BlobGrid& grid,
 
 }  // namespace
 
-void detect_features(const cv::Mat& gray,
-                     const TargetMask& mask,
+void detect_features(const MaskedImage& image,
                      const CameraModel& camera,
                      const FeatureOptions& options,
                      FeatureWorkspace* workspace,
                      Features* features) {
+  const TargetMask& mask = *image.mask;
   features->clear();
   // Three times enlarged 48 px; the smallest descriptor spans 18. Chosen.
   constexpr int kSide_px_min = 16;
@@ -116,9 +116,8 @@ void detect_features(const cv::Mat& gray,
   if (space.octaves == 0) {
     return;
   }
-  sift::resample(gray,
+  sift::resample(*image.gray,
                  mask.region_px,
-                 region.size,
                  sift::light_of_gray(options.gamma),
                  &workspace->resample,
                  picture);

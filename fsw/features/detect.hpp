@@ -12,13 +12,18 @@ namespace polhode {
 
 struct FeatureWorkspace;  // features/workspace.hpp
 
+/// Gray levels of 8 bits, and where they are the target's. Pointers are never null.
+struct MaskedImage {
+  const cv::Mat* gray = nullptr;
+  const TargetMask* mask = nullptr;
+};
+
 /// Detects in the mask's region, resampled to the working size (at most three times its own), and
 /// keeps at most count_max by strength with an even share for each cell of a grid over the region.
-/// Gray levels of 8 bits. No heap.
+/// No heap.
 /// @cost  linear in working pixels and in features.
 /// @source Lowe, IJCV 2004.
-void detect_features(const cv::Mat& gray,
-                     const TargetMask& mask,
+void detect_features(const MaskedImage& image,
                      const CameraModel& camera,
                      const FeatureOptions& options,
                      FeatureWorkspace* workspace,

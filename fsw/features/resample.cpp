@@ -127,22 +127,20 @@ Tone light_of_gray(double gamma) {
 
 void resample(const cv::Mat& gray,
               const cv::Rect& region_px,
-              const WorkingSize& size,
               const Tone& tone,
               ResampleScratch* scratch,
               const Plane& out) {
-  POLHODE_ASSERT(out.width == size.width && out.height == size.height, out.width);
   POLHODE_ASSERT(region_px.width <= static_cast<int>(limits::kImageSide), region_px.width);
-  fill_taps(region_px.width, size.width, &scratch->across);
-  fill_taps(region_px.height, size.height, &scratch->down);
+  fill_taps(region_px.width, out.width, &scratch->across);
+  fill_taps(region_px.height, out.height, &scratch->down);
   const float* row = scratch->row.data();
   scratch->toned.y.fill(-1);
-  for (int y = 0; y < size.height; ++y) {
+  for (int y = 0; y < out.height; ++y) {
     widely([&] { weigh_rows(gray, region_px, tone, y, scratch); });
     if (scratch->across.taps == kCubicTaps) {
-      weigh_columns<kCubicTaps>(row, scratch->across, size.width, out.row(y));
+      weigh_columns<kCubicTaps>(row, scratch->across, out.width, out.row(y));
     } else {
-      weigh_columns<0>(row, scratch->across, size.width, out.row(y));
+      weigh_columns<0>(row, scratch->across, out.width, out.row(y));
     }
   }
 }

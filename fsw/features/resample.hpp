@@ -58,10 +58,9 @@ WorkingSize working_size(const cv::Rect& region_px, int pixels_max, double enlar
 /// Enlarges by cubic convolution (Catmull-Rom), reduces by the mean over each output pixel's area.
 /// Works in light; cubic convolution may overshoot its 0 .. 255. Pixel centres are at integers in
 /// both pictures.
-/// @param out  of the working size.
+/// @param out  of the working size, and laid out.
 void resample(const cv::Mat& gray,
               const cv::Rect& region_px,
-              const WorkingSize& size,
               const Tone& tone,
               ResampleScratch* scratch,
               const Plane& out);

@@ -45,10 +45,12 @@ using SteadyMatrix =
 /// there is none.
 Eigen::Vector3d step_of_rate(const Selection& c,
                              const Eigen::Vector3d& rate_I_rad_s,
+                             StartWorkspace* workspace,
                              StartHypothesis* h) {
   constexpr double kDamping = 1e-6;  // relative; it holds the gauge
-  StartAdjustmentWorkspace& w = c.w.adjustment;
-  if (!reduced_camera_system(c.w.set.observations.view(), h->view(), selection_loss(c, 0), &w)) {
+  StartAdjustmentWorkspace& w = workspace->adjustment;
+  const std::span observations = workspace->set.observations.view();
+  if (!reduced_camera_system(observations, h->view(), selection_loss(c, 0), &w)) {
     return Eigen::Vector3d::Zero();
   }
   const double middle_s = c.problem.times_s[middle_of(*h)];
@@ -85,15 +87,18 @@ Eigen::Vector3d step_of_rate(const Selection& c,
 }
 
 /// Lowest cost of a body that rotates steadily; `steady` comes at rest, and becomes it.
-double cost_of_steady(const Selection& free, const Selection& held, StartHypothesis* steady) {
+double cost_of_steady(const Selection& free,
+                      const Selection& held,
+                      StartWorkspace* w,
+                      StartHypothesis* steady) {
   constexpr int kSteps = 4;  // each is followed by a whole adjustment; two or three settle
-  StartHypothesis& trial = free.w.finalists[0];
+  StartHypothesis& trial = w->finalists[0];
   Eigen::Vector3d rate_I_rad_s = Eigen::Vector3d::Zero();
   for (int i = 0; i < kSteps; ++i) {
     trial = *steady;
-    const Eigen::Vector3d next = rate_I_rad_s + step_of_rate(free, rate_I_rad_s, &trial);
+    const Eigen::Vector3d next = rate_I_rad_s + step_of_rate(free, rate_I_rad_s, w, &trial);
     hold_attitude(free.problem, next, &trial);
-    if (!refine_to_minimum(held, free.w.set.observations.view(), &trial) ||
+    if (!refine_to_minimum(held, w->set.observations.view(), &w->adjustment, &trial) ||
         !(trial.fit.cost < steady->fit.cost)) {
       break;
     }
@@ -105,14 +110,14 @@ double cost_of_steady(const Selection& free, const Selection& held, StartHypothe
 
 }  // namespace
 
-double compare_at_rest(Selection* c) {
-  StartHypothesis& winner = c->w.refined[0];
-  StartHypothesis& at_rest = c->w.at_rest;
+double compare_at_rest(Selection* c, StartWorkspace* w) {
+  StartHypothesis& winner = w->refined[0];
+  StartHypothesis& at_rest = w->at_rest;
   Selection held = *c;
   held.rotations_held = true;
   at_rest = winner;
   hold_attitude(c->problem, Eigen::Vector3d::Zero(), &at_rest);
-  if (!refine_to_minimum(held, c->w.set.observations.view(), &at_rest)) {
+  if (!refine_to_minimum(held, w->set.observations.view(), &w->adjustment, &at_rest)) {
     return -std::numeric_limits<double>::infinity();
   }
   constexpr int kRotation = 3;  // unknowns
@@ -124,12 +129,12 @@ double compare_at_rest(Selection* c) {
     return evidence;
   }
   // Free rotation has so many unknowns that much is forgiven to rest. A steady one has three.
-  c->w.finalists.resize(2);
-  StartHypothesis& steady = c->w.finalists[1];
+  w->finalists.resize(2);
+  StartHypothesis& steady = w->finalists[1];
   steady = at_rest;
   const double against_steady =
       kRotation * of_unknown -
-      (at_rest.fit.cost - cost_of_steady(*c, held, &steady)) / (noise * noise);
+      (at_rest.fit.cost - cost_of_steady(*c, held, w, &steady)) / (noise * noise);
   if (!(against_steady > 0.0)) {
     return 0.0;
   }

@@ -12,6 +12,6 @@ namespace polhode {
 /// rotates, and zero where it is undecided whether it does: a steady rotation explains more than
 /// rest, and free rotation not enough more for its unknowns.
 /// @source Schwarz, Annals of Statistics 1978: 2 k unknowns fewer weigh k ln(n).
-double compare_at_rest(Selection* selection);
+double compare_at_rest(Selection* selection, StartWorkspace* workspace);
 
 }  // namespace polhode

@@ -131,8 +131,7 @@ Collected collect_frame(const CollectibleFrame& frame,
       !worth_collecting(*frame.features, ratio_max, &state->tracks)) {
     return {};
   }
-  add_frame(
-      frame.frame, frame.timestamp_ns, frame.R_IC, *frame.features, ratio_max, &state->tracks);
+  add_frame(frame, ratio_max, &state->tracks);
   drop_resting_tracks(&state->tracks, resting);
   to_frame_time(camera, &state->tracks);
   constexpr std::size_t kConnectingMin = 8;  // fewer cannot carry a start

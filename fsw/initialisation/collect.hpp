@@ -1,7 +1,6 @@
 // Which frames are kept before there is a map, and what they are asked.
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
 
 #include "features/detect.hpp"
@@ -24,14 +23,6 @@ void clear(InitialisationState* state);
 
 /// Whether indices and sizes are within their tables, as long as no bit has flipped in memory.
 bool is_sound(const InitialisationState& state);
-
-/// A frame whose features are on the target.
-struct CollectibleFrame {
-  std::uint32_t frame = 0;
-  std::int64_t timestamp_ns = 0;
-  Eigen::Matrix3d R_IC = Eigen::Matrix3d::Identity();  ///< the observer's attitude
-  const Features* features = nullptr;
-};
 
 /// What came of a frame.
 struct Collected {

@@ -18,15 +18,14 @@ constexpr double kUnknownSigma = 1e300;
 
 /// Copies the winner's poses and triangulates all tracks. Tracks beyond the adjustment's capacity
 /// are skipped.
-void spread_to_all_tracks(const Selection& c, StartHypothesis* winner) {
-  StartWorkspace& w = c.w;
-  w.observations.clear();
-  std::copy(winner->poses.begin(), winner->poses.end(), w.poses.begin());
-  std::copy(winner->posed.begin(), winner->posed.end(), w.posed.begin());
+void spread_to_all_tracks(const Selection& c, StartWorkspace* w, StartHypothesis* winner) {
+  w->observations.clear();
+  std::copy(winner->poses.begin(), winner->poses.end(), w->poses.begin());
+  std::copy(winner->posed.begin(), winner->posed.end(), w->posed.begin());
   for (std::size_t i = 0; i < c.problem.tracks.size(); ++i) {
-    w.known[i] = 0;
+    w->known[i] = 0;
     const auto& observations = c.problem.tracks[i].observations;
-    if (observations.size() < 2 || w.observations.size() + observations.size() >
+    if (observations.size() < 2 || w->observations.size() + observations.size() >
                                        StartAdjustmentWorkspace::kStartObservations) {
       continue;
     }
@@ -39,61 +38,61 @@ void spread_to_all_tracks(const Selection& c, StartHypothesis* winner) {
                          .sigma_normalised = o.sigma_normalised};
       (void)own.push_back(s);
       s.track = static_cast<int>(i);
-      (void)w.observations.push_back(s);
+      (void)w->observations.push_back(s);
     }
     winner->known[0] = 0;
     add_points(own.view(), winner);
-    w.known[i] = winner->known[0];
-    w.points_T[i] = winner->points_T[0];
+    w->known[i] = winner->known[0];
+    w->points_T[i] = winner->points_T[0];
   }
-  for (std::size_t k = 0; k < w.set.tracks.size(); ++k) {
-    const auto i = static_cast<std::size_t>(w.set.tracks[k]);
+  for (std::size_t k = 0; k < w->set.tracks.size(); ++k) {
+    const auto i = static_cast<std::size_t>(w->set.tracks[k]);
     if (k > 0 && winner->known[k] != 0) {
-      w.known[i] = 1;
-      w.points_T[i] = winner->points_T[k];
+      w->known[i] = 1;
+      w->points_T[i] = winner->points_T[k];
     }
   }
 }
 
-StartGeometryView all_tracks_view(const Selection& c) {
-  const std::size_t frames = c.problem.times_s.size();
-  const std::size_t tracks = c.problem.tracks.size();
-  return {std::span(c.w.poses).first(frames),
-          std::span(c.w.posed).first(frames),
-          std::span(c.w.points_T).first(tracks),
-          std::span(c.w.known).first(tracks)};
+StartGeometryView all_tracks_view(const StartProblem& problem, StartWorkspace* w) {
+  const std::size_t frames = problem.times_s.size();
+  const std::size_t tracks = problem.tracks.size();
+  return {std::span(w->poses).first(frames),
+          std::span(w->posed).first(frames),
+          std::span(w->points_T).first(tracks),
+          std::span(w->known).first(tracks)};
 }
 
 /// Keeps the points that agree with at least two of their observations, and with half of them.
-void drop_wrong_tracks(const Selection& c, StartOutcome* out) {
+void drop_wrong_tracks(const Selection& c, StartWorkspace* w, StartOutcome* out) {
   const double limit2 = kTruncation_sigmas * kTruncation_sigmas * c.sigma_scale * c.sigma_scale;
   std::array<int, limits::kStartTracks> agree{};
-  for (const TrackObservation& s : c.w.observations) {
+  for (const TrackObservation& s : w->observations) {
     Eigen::Vector2d x;
     const auto track = static_cast<std::size_t>(s.track);
     const auto frame = static_cast<std::size_t>(s.frame);
-    if (c.w.known[track] != 0 && c.w.posed[frame] != 0 &&
-        reproject(c.w.poses[frame], c.w.points_T[track], &x) &&
+    if (w->known[track] != 0 && w->posed[frame] != 0 &&
+        reproject(w->poses[frame], w->points_T[track], &x) &&
         (x - s.normalised).squaredNorm() < limit2 * s.sigma_normalised * s.sigma_normalised) {
       ++agree[track];
     }
   }
   for (std::size_t i = 0; i < c.problem.tracks.size(); ++i) {
     const auto observations = static_cast<int>(c.problem.tracks[i].observations.size());
-    const bool good = c.w.known[i] != 0 && agree[i] >= 2 && 2 * agree[i] >= observations;
-    c.w.known[i] = good ? 1 : 0;
+    const bool good = w->known[i] != 0 && agree[i] >= 2 && 2 * agree[i] >= observations;
+    w->known[i] = good ? 1 : 0;
     out->points[i].inliers = good ? agree[i] : 0;
   }
 }
 
 /// @param tracks  only known ones count.
 template <typename Tracks>
-double median_depth_sigma(const Selection& c, const Tracks& tracks) {
+double median_depth_sigma(const Tracks& tracks, const StartWorkspace& w) {
   FixedVector<double, limits::kStartTracks> sigma;
   for (const int track : tracks) {
     const auto i = static_cast<std::size_t>(track);
-    if (c.w.known[i] != 0) {
-      (void)sigma.push_back(std::sqrt(std::max(0.0, c.w.covariances[i](2, 2))));
+    if (w.known[i] != 0) {
+      (void)sigma.push_back(std::sqrt(std::max(0.0, w.covariances[i](2, 2))));
     }
   }
   return sigma.empty() ? kUnknownSigma : median(sigma.view());
@@ -101,50 +100,49 @@ double median_depth_sigma(const Selection& c, const Tracks& tracks) {
 
 }  // namespace
 
-void adjust_all_tracks(const Selection& c, StartOutcome* out) {
-  StartHypothesis winner = c.w.refined[0];
-  spread_to_all_tracks(c, &winner);
-  const StartGeometryView view = all_tracks_view(c);
+void adjust_all_tracks(const Selection& c, StartWorkspace* w, StartOutcome* out) {
+  StartHypothesis winner = w->refined[0];
+  spread_to_all_tracks(c, w, &winner);
+  const StartGeometryView view = all_tracks_view(c.problem, w);
   out->points.resize(c.problem.tracks.size());
   out->frames.resize(c.problem.times_s.size());
   out->depth_sigma = out->selection_depth_sigma = kUnknownSigma;
-  drop_wrong_tracks(c, out);
-  (void)adjust_start(
-      c.w.observations.view(), view, selection_loss(c, kIterations), &c.w.adjustment);
-  drop_wrong_tracks(c, out);
+  drop_wrong_tracks(c, w, out);
+  (void)adjust_start(w->observations.view(), view, selection_loss(c, kIterations), &w->adjustment);
+  drop_wrong_tracks(c, w, out);
   if (!normalise_gauge(view)) {
     return;
   }
-  const std::span covariances = std::span(c.w.covariances).first(c.problem.tracks.size());
+  const std::span covariances = std::span(w->covariances).first(c.problem.tracks.size());
   if (!start_point_covariances(
-          c.w.observations.view(), view, selection_loss(c, 0), covariances, &c.w.adjustment)) {
+          w->observations.view(), view, selection_loss(c, 0), covariances, &w->adjustment)) {
     return;
   }
   FixedVector<int, limits::kStartTracks> all;
   all.resize(c.problem.tracks.size());
   std::iota(all.begin(), all.end(), 0);
-  out->depth_sigma = median_depth_sigma(c, all);
+  out->depth_sigma = median_depth_sigma(all, *w);
   // The cores' tracks are the longest, and decide on the geometry. On a body that rotates fast most
   // other tracks last three or four frames and know little of their own depth
   // (decision 0031).
   FixedVector<int, 2 * kCoreTracks> in_cores;
-  for (const StartCore& core : c.w.set.cores) {
+  for (const StartCore& core : w->set.cores) {
     for (const int track : core.tracks) {
-      (void)in_cores.push_back(c.w.set.tracks[static_cast<std::size_t>(track)]);
+      (void)in_cores.push_back(w->set.tracks[static_cast<std::size_t>(track)]);
     }
   }
-  out->selection_depth_sigma = median_depth_sigma(c, in_cores);
+  out->selection_depth_sigma = median_depth_sigma(in_cores, *w);
   for (std::size_t i = 0; i < out->points.size(); ++i) {
     StartPoint& point = out->points[i];
-    point.p_T = c.w.points_T[i];
-    point.covariance_T = c.w.covariances[i];
-    point.valid = c.w.known[i] != 0 && point.covariance_T.allFinite() &&
+    point.p_T = w->points_T[i];
+    point.covariance_T = w->covariances[i];
+    point.valid = w->known[i] != 0 && point.covariance_T.allFinite() &&
                   point.covariance_T.diagonal().minCoeff() > 0.0;
   }
   Eigen::Matrix3d R_first = Eigen::Matrix3d::Identity();
   for (std::size_t f = 0; f < out->frames.size(); ++f) {
-    if (c.w.posed[f] != 0) {
-      out->frames[f] = {.valid = true, .pose = from_inverse_depth(c.w.poses[f])};
+    if (w->posed[f] != 0) {
+      out->frames[f] = {.valid = true, .pose = from_inverse_depth(w->poses[f])};
       out->rotation_rad =
           std::max(out->rotation_rad, rotation_angle_rad(R_first, out->frames[f].pose.R_CT));
     }

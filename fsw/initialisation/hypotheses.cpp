@@ -89,12 +89,12 @@ StartHypothesis empty_hypothesis(const SeedProblem& problem, HypothesisKind kind
 
 /// From weak perspective, which leaves depth and its sign open. Inverse depth is the image scale
 /// per extent.
-void push_weak_perspective(const SeedProblem& problem,
-                           const CoreImages& images,
-                           std::span<const std::uint8_t> inlier,
-                           const WeakPerspectiveMotion& motion,
-                           HypothesisKind kind,
-                           StartHypotheses* seeds) {
+/// @param h  an empty hypothesis. @return false where the motion gives none.
+bool pose_by_weak_perspective(const SeedProblem& problem,
+                              const CoreImages& images,
+                              std::span<const std::uint8_t> inlier,
+                              const WeakPerspectiveMotion& motion,
+                              StartHypothesis* h) {
   const StartCore& core = *problem.core;
   const Eigen::Matrix3Xd points = weak_perspective_points(images.turned, inlier, motion);
   double extent2 = 0.0;
@@ -107,11 +107,10 @@ void push_weak_perspective(const SeedProblem& problem,
   }
   const double extent = std::sqrt(extent2 / std::max(1.0, count));
   if (!(extent > 0.0) || !std::isfinite(extent)) {
-    return;
+    return false;
   }
   const Eigen::VectorXd means = images.turned.col(0) - centred(images.turned, inlier).col(0);
   const auto F = static_cast<Eigen::Index>(core.frames.size());
-  StartHypothesis h = empty_hypothesis(problem, kind);
   for (Eigen::Index f = 0; f < F; ++f) {
     const auto k = static_cast<std::size_t>(f);
     const auto frame = static_cast<std::size_t>(core.frames[k]);
@@ -120,16 +119,16 @@ void push_weak_perspective(const SeedProblem& problem,
     const Pose pose{.R_CT = images.R_SC[k].transpose() * motion.R_CT[k],
                     .p_CT = images.R_SC[k].transpose() * p_S};
     if (!is_before_camera(pose)) {
-      return;
+      return false;
     }
-    h.poses[frame] = to_inverse_depth(pose);
-    h.posed[frame] = 1;
+    h->poses[frame] = to_inverse_depth(pose);
+    h->posed[frame] = 1;
   }
   for (std::size_t i = 0; i < core.tracks.size(); ++i) {
-    h.points_T[track_of(core, i)] = points.col(static_cast<Eigen::Index>(i)) / extent;
-    h.known[track_of(core, i)] = 1;
+    h->points_T[track_of(core, i)] = points.col(static_cast<Eigen::Index>(i)) / extent;
+    h->known[track_of(core, i)] = 1;
   }
-  (void)seeds->push_back(h);
+  return true;
 }
 
 void seed_weak_perspective(const SeedProblem& problem,
@@ -144,9 +143,10 @@ void seed_weak_perspective(const SeedProblem& problem,
   if ((problem.kinds & kind_bit(HypothesisKind::kFactorisation)) != 0) {
     for (const double isotropy : kIsotropies) {
       WeakPerspectiveMotion motion;
-      if (upgrade_to_metric(subspace, isotropy, &motion)) {
-        push_weak_perspective(
-            problem, images, subspace.inlier.view(), motion, HypothesisKind::kFactorisation, seeds);
+      StartHypothesis h = empty_hypothesis(problem, HypothesisKind::kFactorisation);
+      if (upgrade_to_metric(subspace, isotropy, &motion) &&
+          pose_by_weak_perspective(problem, images, subspace.inlier.view(), motion, &h)) {
+        (void)seeds->push_back(h);
       }
     }
   }
@@ -163,70 +163,66 @@ void seed_weak_perspective(const SeedProblem& problem,
       }
     }
     for (const ConstantRateMotion& rate : search_constant_rate(chosen, times.view())) {
-      push_weak_perspective(problem,
-                            images,
-                            subspace.inlier.view(),
-                            to_motion(rate, times.view()),
-                            HypothesisKind::kConstantRate,
-                            seeds);
+      StartHypothesis h = empty_hypothesis(problem, HypothesisKind::kConstantRate);
+      const WeakPerspectiveMotion motion = to_motion(rate, times.view());
+      if (pose_by_weak_perspective(problem, images, subspace.inlier.view(), motion, &h)) {
+        (void)seeds->push_back(h);
+      }
     }
   }
 }
 
-struct PairDepths {
-  std::array<double, kCoreTracks>
-      depth_a;  ///< of each core track in the pair's first frame; not positive: unknown
+struct TwoViews {
+  std::array<std::size_t, 2> pair;  ///< of the core's frames: a, b
+  RelativePose motion;
+  std::array<double, kCoreTracks> depth_a;  ///< of each core track in a; not positive: unknown
 };
 
 /// From two views: T's origin is in the middle of the points. The core's other frames follow by
 /// resection.
-void push_two_view(const SeedProblem& problem,
-                   const CoreImages& images,
-                   std::array<std::size_t, 2> pair,
-                   const RelativePose& motion,
-                   const PairDepths& depths,
-                   HypothesisKind kind,
-                   StartHypotheses* seeds) {
+/// @param h  an empty hypothesis. @return false where the views give none.
+bool pose_by_two_views(const SeedProblem& problem,
+                       const CoreImages& images,
+                       const TwoViews& views,
+                       StartHypothesis* h) {
   const StartCore& core = *problem.core;
-  StartHypothesis h = empty_hypothesis(problem, kind);
+  const auto& [pair, motion, depth_a] = views;
   FixedVector<double, kCoreTracks> positive;
   for (std::size_t i = 0; i < core.tracks.size(); ++i) {
-    if (depths.depth_a[i] > 0.0 && std::isfinite(depths.depth_a[i])) {
-      (void)positive.push_back(depths.depth_a[i]);
+    if (depth_a[i] > 0.0 && std::isfinite(depth_a[i])) {
+      (void)positive.push_back(depth_a[i]);
     }
   }
   if (positive.size() < kHypothesisPointsMin || 2 * positive.size() < core.tracks.size()) {
-    return;
+    return false;
   }
   const double middle = median(positive.view());
   const Eigen::Vector3d origin = middle * images.R_SC[pair[0]].transpose().col(2);
   const Pose pose_a{.p_CT = origin};
   const Pose pose_b{.R_CT = motion.R_ba, .p_CT = motion.R_ba * origin + motion.p_ba};
   if (!is_before_camera(pose_a) || !is_before_camera(pose_b)) {
-    return;
+    return false;
   }
-  h.poses[static_cast<std::size_t>(core.frames[pair[0]])] = to_inverse_depth(pose_a);
-  h.poses[static_cast<std::size_t>(core.frames[pair[1]])] = to_inverse_depth(pose_b);
-  h.posed[static_cast<std::size_t>(core.frames[pair[0]])] = 1;
-  h.posed[static_cast<std::size_t>(core.frames[pair[1]])] = 1;
+  h->poses[static_cast<std::size_t>(core.frames[pair[0]])] = to_inverse_depth(pose_a);
+  h->poses[static_cast<std::size_t>(core.frames[pair[1]])] = to_inverse_depth(pose_b);
+  h->posed[static_cast<std::size_t>(core.frames[pair[0]])] = 1;
+  h->posed[static_cast<std::size_t>(core.frames[pair[1]])] = 1;
   for (std::size_t i = 0; i < core.tracks.size(); ++i) {
-    if (depths.depth_a[i] > middle / kDepthFactorMax &&
-        depths.depth_a[i] < kDepthFactorMax * middle) {
-      h.points_T[track_of(core, i)] =
-          depths.depth_a[i] * images.x[pair[0]][i].homogeneous() - origin;
-      h.known[track_of(core, i)] = 1;
+    if (depth_a[i] > middle / kDepthFactorMax && depth_a[i] < kDepthFactorMax * middle) {
+      h->points_T[track_of(core, i)] = depth_a[i] * images.x[pair[0]][i].homogeneous() - origin;
+      h->known[track_of(core, i)] = 1;
     }
   }
-  if (!normalise_gauge(h.view())) {
-    return;
+  if (!normalise_gauge(h->view())) {
+    return false;
   }
   for (std::size_t k = 0; k < core.frames.size(); ++k) {
     if (k != pair[0] && k != pair[1] &&
-        !pose_frame(problem.observations, problem.times_s, core.frames[k], &h)) {
-      return;
+        !pose_frame(problem.observations, problem.times_s, core.frames[k], h)) {
+      return false;
     }
   }
-  (void)seeds->push_back(h);
+  return true;
 }
 
 void seed_two_view(const SeedProblem& problem,
@@ -240,22 +236,26 @@ void seed_two_view(const SeedProblem& problem,
                                .seed = problem.seed + pair[1]};
   if ((problem.kinds & kind_bit(HypothesisKind::kFivePoint)) != 0) {
     for (const RelativePoseCandidate& candidate : find_relative_poses(x_a, x_b, options)) {
-      PairDepths depths{};
+      TwoViews views{.pair = pair, .motion = candidate.motion, .depth_a = {}};
       for (std::size_t i = 0; i < core.tracks.size(); ++i) {
-        depths.depth_a[i] = depth_in_a(candidate.motion, x_a[i], x_b[i]);
+        views.depth_a[i] = depth_in_a(candidate.motion, x_a[i], x_b[i]);
       }
-      push_two_view(
-          problem, images, pair, candidate.motion, depths, HypothesisKind::kFivePoint, seeds);
+      StartHypothesis h = empty_hypothesis(problem, HypothesisKind::kFivePoint);
+      if (pose_by_two_views(problem, images, views, &h)) {
+        (void)seeds->push_back(h);
+      }
     }
   }
   if ((problem.kinds & kind_bit(HypothesisKind::kHomography)) != 0) {
     for (const PanelMotion& panel : find_homography(x_a, x_b, options).motions) {
-      PairDepths depths{};
+      TwoViews views{.pair = pair, .motion = panel.motion, .depth_a = {}};
       for (std::size_t i = 0; i < core.tracks.size(); ++i) {
-        depths.depth_a[i] = 1.0 / panel.normal_a.dot(x_a[i].homogeneous());
+        views.depth_a[i] = 1.0 / panel.normal_a.dot(x_a[i].homogeneous());
       }
-      push_two_view(
-          problem, images, pair, panel.motion, depths, HypothesisKind::kHomography, seeds);
+      StartHypothesis h = empty_hypothesis(problem, HypothesisKind::kHomography);
+      if (pose_by_two_views(problem, images, views, &h)) {
+        (void)seeds->push_back(h);
+      }
     }
   }
 }

@@ -43,32 +43,32 @@ StartDecision decide(const StartOutcome& out, const StartOptions& options, doubl
 
 StartOutcome select_hypothesis(const StartProblem& problem,
                                const StartOptions& options,
-                               StartWorkspace& workspace) {
+                               StartWorkspace* workspace) {
   StartOutcome out;
-  if (!choose_selection_set(problem, &workspace.set)) {
+  if (!choose_selection_set(problem, &workspace->set)) {
     return out;
   }
-  out.crowded = is_crowded(problem, workspace.set);
-  Selection selection{.problem = problem, .options = options, .w = workspace};
-  select_hypotheses(&selection);
-  if (workspace.refined.empty()) {
+  out.crowded = is_crowded(problem, workspace->set);
+  Selection selection{.problem = problem, .options = options};
+  select_hypotheses(&selection, workspace);
+  if (workspace->refined.empty()) {
     out.decision = StartDecision::kNoHypothesis;
     return out;
   }
-  StartHypothesis& winner = workspace.refined[0];
+  StartHypothesis& winner = workspace->refined[0];
   const double noise = selection.sigma_scale * winner.fit.noise_scale;
   out.winner = winner.kind;
   out.winner_reversed = winner.reversed;
-  out.hypotheses = static_cast<int>(workspace.refined.size());
+  out.hypotheses = static_cast<int>(workspace->refined.size());
   out.reduced_chi2 = noise * noise;
   out.inlier_ratio = static_cast<double>(winner.fit.agreeing) / std::max(1, winner.fit.telling);
-  out.chi2_gap = cost_margin_of(selection);
-  const double for_rest = compare_at_rest(&selection);
+  out.chi2_gap = cost_margin_of(selection, workspace);
+  const double for_rest = compare_at_rest(&selection, workspace);
   if (for_rest >= 0.0) {
     out.chi2_gap = for_rest;
   }
-  out.convexity = convexity_of(selection, &winner);
-  adjust_all_tracks(selection, &out);
+  out.convexity = convexity_of(workspace->set, &winner);
+  adjust_all_tracks(selection, workspace, &out);
   out.decision = decide(out, options, noise);
   return out;
 }

@@ -12,6 +12,6 @@ namespace polhode {
 /// one of all tracks. Deterministic in (problem, options).
 StartOutcome select_hypothesis(const StartProblem& problem,
                                const StartOptions& options,
-                               StartWorkspace& workspace);
+                               StartWorkspace* workspace);
 
 }  // namespace polhode

@@ -62,21 +62,22 @@ void sort_by_cost(StartHypotheses* list) {
 bool refine(const Selection& c,
             std::span<const TrackObservation> observations,
             const Iterations& iterations,
+            StartAdjustmentWorkspace* adjustment,
             StartHypothesis* h) {
   const StartGeometryView view = h->view();
   StartAdjustmentOptions options{.loss = StartLoss::kCauchy,
                                  .width_sigma = kNarrow_sigmas,
                                  .sigma_scale = c.sigma_scale,
                                  .rotations_held = c.rotations_held};
-  const StartFit before = evaluate_start(observations, view, options, &c.w.adjustment);
+  const StartFit before = evaluate_start(observations, view, options, adjustment);
   options.iterations_max = iterations.wide;
   options.width_sigma =
       std::clamp(kNarrow_sigmas * std::sqrt(before.median), kNarrow_sigmas, kWideMax_sigmas);
-  (void)adjust_start(observations, view, options, &c.w.adjustment);
+  (void)adjust_start(observations, view, options, adjustment);
   options.iterations_max = iterations.narrow;
   options.width_sigma = kNarrow_sigmas;
-  (void)adjust_start(observations, view, options, &c.w.adjustment);
-  h->fit = adjust_start(observations, view, selection_loss(c, iterations.last), &c.w.adjustment);
+  (void)adjust_start(observations, view, options, adjustment);
+  h->fit = adjust_start(observations, view, selection_loss(c, iterations.last), adjustment);
   return normalise_gauge(view) && std::isfinite(h->fit.cost);
 }
 
@@ -103,12 +104,12 @@ StartHypothesis depth_reversed(const StartHypothesis& h) {
 
 /// Seeds, first without their depth-reversed solutions. Those that lead to the same minimum, or to
 /// its depth-reversed one, are one family.
-void refine_families(const Selection& c) {
-  const std::span<const TrackObservation> core = c.w.core_observations.view();
-  StartHypotheses& families = c.w.refined;
+void refine_families(const Selection& c, StartWorkspace* w) {
+  const std::span<const TrackObservation> core = w->core_observations.view();
+  StartHypotheses& families = w->refined;
   families.clear();
-  for (StartHypothesis& seed : c.w.seeds) {
-    if (!normalise_gauge(seed.view()) || !refine(c, core, kSeedIterations, &seed)) {
+  for (StartHypothesis& seed : w->seeds) {
+    if (!normalise_gauge(seed.view()) || !refine(c, core, kSeedIterations, &w->adjustment, &seed)) {
       continue;
     }
     const StartHypothesis reversed = depth_reversed(seed);
@@ -124,39 +125,37 @@ void refine_families(const Selection& c) {
 }
 
 /// Both solutions of the best families, refined on the core to convergence, the best first.
-void refine_both_depths(const Selection& c) {
-  const std::span<const TrackObservation> core = c.w.core_observations.view();
-  c.w.seeds.clear();
-  for (std::size_t i = 0; i < std::min(kFamilies, c.w.refined.size()); ++i) {
-    (void)c.w.seeds.push_back(c.w.refined[i]);
-    (void)c.w.seeds.push_back(depth_reversed(c.w.refined[i]));
+void refine_both_depths(const Selection& c, StartWorkspace* w) {
+  const std::span<const TrackObservation> core = w->core_observations.view();
+  w->seeds.clear();
+  for (std::size_t i = 0; i < std::min(kFamilies, w->refined.size()); ++i) {
+    (void)w->seeds.push_back(w->refined[i]);
+    (void)w->seeds.push_back(depth_reversed(w->refined[i]));
   }
-  c.w.refined.clear();
-  for (StartHypothesis& h : c.w.seeds) {
-    if (refine(c, core, kFamilyIterations, &h)) {
-      insert_distinct(h, &c.w.refined);
+  w->refined.clear();
+  for (StartHypothesis& h : w->seeds) {
+    if (refine(c, core, kFamilyIterations, &w->adjustment, &h)) {
+      insert_distinct(h, &w->refined);
     }
   }
-  sort_by_cost(&c.w.refined);
+  sort_by_cost(&w->refined);
 }
 
 /// Noise by the best hypothesis over the caller's sigma, at least 1.
-double noise_scale(const Selection& c) {
-  const double scale =
-      c.w.refined.empty() ? kNoiseScaleMax : c.sigma_scale * c.w.refined[0].fit.noise_scale;
+double noise_scale(const StartHypotheses& refined, double sigma_scale) {
+  const double scale = refined.empty() ? kNoiseScaleMax : sigma_scale * refined[0].fit.noise_scale;
   return std::clamp(scale, 1.0, kNoiseScaleMax);
 }
 
 /// Adds the best hypotheses of one core to the finalists.
-void select_on_core(const StartCore& core, Selection* c) {
-  StartWorkspace& w = c->w;
-  const SelectionSet& set = w.set;
-  w.core_observations.clear();
+void select_on_core(const StartCore& core, Selection* c, StartWorkspace* w) {
+  const SelectionSet& set = w->set;
+  w->core_observations.clear();
   for (const TrackObservation& s : set.observations) {
     const bool seen =
         std::find(core.frames.begin(), core.frames.end(), s.frame) != core.frames.end();
     if (seen && std::find(core.tracks.begin(), core.tracks.end(), s.track) != core.tracks.end()) {
-      (void)w.core_observations.push_back(s);
+      (void)w->core_observations.push_back(s);
     }
   }
   seed_hypotheses({.times_s = c->problem.times_s,
@@ -165,56 +164,56 @@ void select_on_core(const StartCore& core, Selection* c) {
                    .core = &core,
                    .seed = c->problem.seed,
                    .kinds = c->problem.kinds},
-                  &w.seeds);
+                  &w->seeds);
   c->sigma_scale = 1.0;
-  refine_families(*c);
-  c->sigma_scale = noise_scale(*c);
-  refine_both_depths(*c);
-  c->sigma_scale = noise_scale(*c);
+  refine_families(*c, w);
+  c->sigma_scale = noise_scale(w->refined, c->sigma_scale);
+  refine_both_depths(*c, w);
+  c->sigma_scale = noise_scale(w->refined, c->sigma_scale);
   const std::size_t share = kFinalists / set.cores.size();
-  for (std::size_t i = 0; i < std::min(share, w.refined.size()); ++i) {
-    (void)w.finalists.push_back(w.refined[i]);
+  for (std::size_t i = 0; i < std::min(share, w->refined.size()); ++i) {
+    (void)w->finalists.push_back(w->refined[i]);
   }
 }
 
 /// Extends a hypothesis to all frames. Adjusts on the way, so that errors do not add up.
-bool extend_to_all(const Selection& c, StartHypothesis* h) {
-  const std::span<const TrackObservation> all = c.w.set.observations.view();
-  const std::span<const TrackObservation> first = all.first(c.w.set.extension_observations);
+bool extend_to_all(const Selection& c, StartWorkspace* w, StartHypothesis* h) {
+  const std::span<const TrackObservation> all = w->set.observations.view();
+  const std::span<const TrackObservation> first = all.first(w->set.extension_observations);
   for (std::size_t step = 0; step < h->frames; ++step) {
     if (!extend(first, c.problem.times_s, kExtendRounds, h)) {
       break;
     }
-    if (!refine(c, first, kExtendIterations, h)) {
+    if (!refine(c, first, kExtendIterations, &w->adjustment, h)) {
       return false;
     }
   }
   add_points(all, h);
-  return refine(c, all, kExtendedIterations, h);
+  return refine(c, all, kExtendedIterations, &w->adjustment, h);
 }
 
 /// Finalists, extended to all frames and compared on all observations of the selection.
-void refine_finalists(const Selection& c) {
-  c.w.refined.clear();
-  for (StartHypothesis& h : c.w.finalists) {
-    if (extend_to_all(c, &h)) {
-      insert_distinct(h, &c.w.refined);
+void refine_finalists(const Selection& c, StartWorkspace* w) {
+  w->refined.clear();
+  for (StartHypothesis& h : w->finalists) {
+    if (extend_to_all(c, w, &h)) {
+      insert_distinct(h, &w->refined);
     }
   }
-  sort_by_cost(&c.w.refined);
+  sort_by_cost(&w->refined);
 }
 
 /// Compares the winner with its depth-reversed solution, started from the winner's final geometry.
 /// So no rival loses because it stuck in another minimum.
-void compare_with_reversed(const Selection& c) {
-  for (int round = 0; round < kReversalRounds && !c.w.refined.empty(); ++round) {
-    StartHypothesis reversed = depth_reversed(c.w.refined[0]);
-    if (!refine_to_minimum(c, c.w.set.observations.view(), &reversed)) {
+void compare_with_reversed(const Selection& c, StartWorkspace* w) {
+  for (int round = 0; round < kReversalRounds && !w->refined.empty(); ++round) {
+    StartHypothesis reversed = depth_reversed(w->refined[0]);
+    if (!refine_to_minimum(c, w->set.observations.view(), &w->adjustment, &reversed)) {
       return;
     }
-    const bool wins = reversed.fit.cost < c.w.refined[0].fit.cost;
-    insert_distinct(reversed, &c.w.refined);
-    sort_by_cost(&c.w.refined);
+    const bool wins = reversed.fit.cost < w->refined[0].fit.cost;
+    insert_distinct(reversed, &w->refined);
+    sort_by_cost(&w->refined);
     if (!wins) {
       return;
     }
@@ -223,15 +222,16 @@ void compare_with_reversed(const Selection& c) {
 
 /// Cost margin of the winner to `rival`: the smaller of the plain difference and of one in which no
 /// track decides alone. The latter is zero where the tracks do not agree.
-double cost_margin_to(const Selection& c, StartHypothesis* winner, StartHypothesis* rival) {
+double cost_margin_to(const Selection& c,
+                      std::span<const TrackObservation> observations,
+                      StartHypothesis* winner,
+                      StartHypothesis* rival) {
   std::array<double, limits::kSelectionTracks> of_winner;
   std::array<double, limits::kSelectionTracks> of_rival;
   const StartAdjustmentOptions options = selection_loss(c, 0);
   const std::size_t tracks = winner->tracks;
-  start_track_costs(
-      c.w.set.observations.view(), winner->view(), options, std::span(of_winner).first(tracks));
-  start_track_costs(
-      c.w.set.observations.view(), rival->view(), options, std::span(of_rival).first(tracks));
+  start_track_costs(observations, winner->view(), options, std::span(of_winner).first(tracks));
+  start_track_costs(observations, rival->view(), options, std::span(of_rival).first(tracks));
   double plain = 0.0;
   double clipped = 0.0;
   double clipped2 = 0.0;
@@ -256,14 +256,14 @@ int middle_frame(const SelectionSet& set) {
 
 /// Where the costs do not decide, a convex hypothesis goes before a hollow one. The cost margin is
 /// negative then.
-void prefer_convex(const Selection& c) {
-  StartHypotheses& list = c.w.refined;
-  if (list.empty() || convexity_of(c, &list[0]) > -kConvexityMin) {
+void prefer_convex(const StartOptions& options, StartWorkspace* w) {
+  StartHypotheses& list = w->refined;
+  if (list.empty() || convexity_of(w->set, &list[0]) > -kConvexityMin) {
     return;
   }
   for (std::size_t i = 1; i < list.size(); ++i) {
-    if (list[i].fit.cost - list[0].fit.cost < c.options.chi2_gap_convexity &&
-        convexity_of(c, &list[i]) >= kConvexityMin) {
+    if (list[i].fit.cost - list[0].fit.cost < options.chi2_gap_convexity &&
+        convexity_of(w->set, &list[i]) >= kConvexityMin) {
       std::swap(list[0], list[i]);
       return;
     }
@@ -274,8 +274,9 @@ void prefer_convex(const Selection& c) {
 
 bool refine_to_minimum(const Selection& c,
                        std::span<const TrackObservation> observations,
+                       StartAdjustmentWorkspace* adjustment,
                        StartHypothesis* h) {
-  return refine(c, observations, kReversedIterations, h);
+  return refine(c, observations, kReversedIterations, adjustment, h);
 }
 
 StartAdjustmentOptions selection_loss(const Selection& c, int iterations_max) {
@@ -286,34 +287,34 @@ StartAdjustmentOptions selection_loss(const Selection& c, int iterations_max) {
           .rotations_held = c.rotations_held};
 }
 
-double convexity_of(const Selection& c, StartHypothesis* h) {
-  return convexity_cue(c.w.set.observations.view(), middle_frame(c.w.set), h->view());
+double convexity_of(const SelectionSet& set, StartHypothesis* h) {
+  return convexity_cue(set.observations.view(), middle_frame(set), h->view());
 }
 
-double cost_margin_of(const Selection& c) {
-  StartHypotheses& list = c.w.refined;
+double cost_margin_of(const Selection& c, StartWorkspace* w) {
+  StartHypotheses& list = w->refined;
   // Without a rival: the margin to the cost of no explanation at all.
   double margin =
       kTruncation_sigmas * kTruncation_sigmas * list[0].fit.observations - list[0].fit.cost;
   for (std::size_t i = 1; i < list.size(); ++i) {
     if (!same_geometry(list[0], list[i], kDifferentGeometry)) {
-      margin = std::min(margin, cost_margin_to(c, &list[0], &list[i]));
+      margin = std::min(margin, cost_margin_to(c, w->set.observations.view(), &list[0], &list[i]));
     }
   }
   return margin;
 }
 
-void select_hypotheses(Selection* selection) {
-  selection->w.finalists.clear();
+void select_hypotheses(Selection* selection, StartWorkspace* w) {
+  w->finalists.clear();
   double scale = kNoiseScaleMax;
-  for (const StartCore& core : selection->w.set.cores) {
-    select_on_core(core, selection);
+  for (const StartCore& core : w->set.cores) {
+    select_on_core(core, selection, w);
     scale = std::min(scale, selection->sigma_scale);
   }
   selection->sigma_scale = scale;
-  refine_finalists(*selection);
-  compare_with_reversed(*selection);
-  prefer_convex(*selection);
+  refine_finalists(*selection, w);
+  compare_with_reversed(*selection, w);
+  prefer_convex(selection->options, w);
 }
 
 }  // namespace polhode

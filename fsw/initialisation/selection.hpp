@@ -6,11 +6,10 @@
 
 namespace polhode {
 
-/// Shared by all rounds.
+/// Shared by all rounds. What they work on is StartWorkspace's.
 struct Selection {
   const StartProblem& problem;
   const StartOptions& options;
-  StartWorkspace& w;
   bool rotations_held = false;  ///< attitudes are those of a body that does not rotate
   double sigma_scale = 1.0;  ///< noise over the caller's sigma by the best hypothesis so far, >= 1
 };
@@ -30,24 +29,25 @@ StartAdjustmentOptions selection_loss(const Selection& selection, int iterations
 /// Seeds, families, depth-reversed solutions, extension to all frames, and the winner's own
 /// depth-reversed solution. Leaves hypotheses of different geometry in workspace.refined, the
 /// winner first; none when all failed.
-void select_hypotheses(Selection* selection);
+void select_hypotheses(Selection* selection, StartWorkspace* workspace);
 
 /// Adjusts a hypothesis that may be far from it to its own minimum, as far as the comparison needs
 /// it.
 /// @return false where there is none.
 bool refine_to_minimum(const Selection& selection,
                        std::span<const TrackObservation> observations,
+                       StartAdjustmentWorkspace* workspace,
                        StartHypothesis* hypothesis);
 
 /// Cost margin of the winner to the best rival of different geometry, in chi-square of the true
 /// noise.
-double cost_margin_of(const Selection& selection);
+double cost_margin_of(const Selection& selection, StartWorkspace* workspace);
 
 /// Convexity cue in the middle of the core.
-double convexity_of(const Selection& selection, StartHypothesis* hypothesis);
+double convexity_of(const SelectionSet& set, StartHypothesis* hypothesis);
 
 /// Extends the winner to all tracks: joint adjustment, wrong tracks dropped, covariances. Fills
 /// poses, points and both depth sigmas.
-void adjust_all_tracks(const Selection& selection, StartOutcome* out);
+void adjust_all_tracks(const Selection& selection, StartWorkspace* workspace, StartOutcome* out);
 
 }  // namespace polhode

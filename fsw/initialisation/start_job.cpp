@@ -12,7 +12,7 @@ void run_start(StartJob* job) {
                                     .tracks = tracks,
                                     .seed = job->seed},
                                    job->options,
-                                   job->workspace);
+                                   &job->workspace);
 }
 
 void skip_start(StartJob* job) {

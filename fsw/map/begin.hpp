@@ -9,15 +9,16 @@
 
 namespace polhode {
 
+/// What is taken over of an initialisation. Pointers are never null.
+struct InitialMap {
+  const StartOutcome* outcome = nullptr;
+  std::size_t first_frame = 0;  ///< the initialisation's, in the table
+  const TrackTable* tracks = nullptr;
+  Similarity to_T = {};  ///< takes the initialisation's frame and unit to the map's
+};
+
 /// Each frame with a pose becomes a keyframe, each track with a point a landmark seen where its
 /// features are. What the map holds already stays; full tables take no more.
-/// @param first_frame  the start's, in the table.
-/// @param to_T  takes the start's frame and unit to the map's.
-void begin_map(const StartOutcome& outcome,
-               std::size_t first_frame,
-               const TrackTable& tracks,
-               const Similarity& to_T,
-               const MapOptions& options,
-               Map* map);
+void begin_map(const InitialMap& initial, const MapOptions& options, Map* map);
 
 }  // namespace polhode

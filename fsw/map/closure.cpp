@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "geometry/so3.hpp"
+#include "map/map_state.hpp"
 
 namespace polhode {
 namespace {
@@ -28,17 +29,18 @@ bool sees(const Keyframe& keyframe, LandmarkId landmark) {
 int close_loop(LocaliseInput input,
                KeyframeId id,
                const ClosureOptions& options,
-               LocaliseScratch* scratch,
-               LocalisedFrame* work,
+               MapScratch* scratch,
                Map* map) {
+  LocalisedFrame* work = &scratch->other;
   input.age = LandmarkAge::kOld;
   const Keyframe& keyframe = map->keyframes[id.index()];
   // The drift that turn_max_rad allows, seen at the body's edge.
   constexpr double kReach_radii = 0.33;
   const double radius_px =
       kReach_radii * map->radius_mu * input.camera->focal_px() / keyframe.pose.p_CT.z();
-  match_about(input, keyframe.pose, radius_px, scratch, work);
-  if (!solve_matched(input, nullptr, scratch, work) || !accepted(*work, keyframe.pose, options)) {
+  match_about(input, keyframe.pose, radius_px, &scratch->localise, work);
+  if (!solve_matched(input, nullptr, &scratch->localise, work) ||
+      !accepted(*work, keyframe.pose, options)) {
     return 0;
   }
   int tied = 0;

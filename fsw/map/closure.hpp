@@ -6,6 +6,8 @@
 
 namespace polhode {
 
+struct MapScratch;  // map/map_state.hpp
+
 struct ClosureOptions {
   int inliers_min = kInliersAlone;
   double inlier_fraction_min =
@@ -23,8 +25,7 @@ struct ClosureOptions {
 int close_loop(LocaliseInput input,
                KeyframeId keyframe,
                const ClosureOptions& options,
-               LocaliseScratch* scratch,
-               LocalisedFrame* work,
+               MapScratch* scratch,
                Map* map);
 
 }  // namespace polhode

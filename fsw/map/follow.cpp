@@ -42,12 +42,11 @@ double predicted_motion_px(const FlowReference& reference,
 }
 
 Result<bool> localise_by_flow(const LocaliseInput& input,
-                              const FlowReference& reference,
-                              const Pyramid& pyramid,
-                              const TrackOptions& options,
+                              const FlowPair& flow,
                               const Pose& predicted,
                               LocaliseScratch* scratch,
                               LocalisedFrame* out) {
+  const FlowReference& reference = *flow.reference;
   FixedVector<FlowPoint, limits::kPoseMatches> from;
   FixedVector<FlowPoint, limits::kPoseMatches> to;
   out->matches.clear();
@@ -66,7 +65,7 @@ Result<bool> localise_by_flow(const LocaliseInput& input,
     (void)out->matches.push_back(point);
   }
   out->predicted = static_cast<int>(out->matches.size());
-  follow_points(reference.pyramid, pyramid, from.view(), options, to.view());
+  follow_points(reference.pyramid, *flow.pyramid, from.view(), *flow.options, to.view());
   std::size_t kept = 0;
   for (std::size_t i = 0; i < to.size(); ++i) {
     if (!to[i].followed) {

@@ -19,6 +19,13 @@ struct FlowReference {
   LandmarkMatches points;  ///< inliers of the frame
 };
 
+/// From where to where points are followed, and how. Pointers are never null.
+struct FlowPair {
+  const FlowReference* reference = nullptr;
+  const Pyramid* pyramid = nullptr;  ///< of this frame
+  const TrackOptions* options = nullptr;
+};
+
 /// Median image motion of the reference's landmarks between its pose and `predicted`; large when
 /// none stays in view.
 double predicted_motion_px(const FlowReference& reference,
@@ -26,13 +33,11 @@ double predicted_motion_px(const FlowReference& reference,
                            const Map& map,
                            const CameraModel& camera);
 
-/// Follows the reference's points to the frame of `pyramid`, expected where `predicted` puts them,
-/// and solves for the pose.
+/// Follows the reference's points to this frame, expected where `predicted` puts them, and solves
+/// for the pose.
 /// @errors TooFewObservations, NoConsensus, Degenerate.
 Result<bool> localise_by_flow(const LocaliseInput& input,
-                              const FlowReference& reference,
-                              const Pyramid& pyramid,
-                              const TrackOptions& options,
+                              const FlowPair& flow,
                               const Pose& predicted,
                               LocaliseScratch* scratch,
                               LocalisedFrame* out);

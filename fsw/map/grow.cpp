@@ -67,20 +67,17 @@ void veto_features(const MaskState& mask, Features* features, LandmarkMatches* m
 
 Growth grow_map(const MapInput& input, MapState* s) {
   const std::int32_t count_before = s->map.keyframe_count;
-  const KeyframeId id = insert_keyframe(
-      input.frame, input.timestamp_ns, *input.features, s->localised, *input.options, &s->map);
+  const KeyframeId id = insert_keyframe(input, s->localised, &s->map);
   const std::int32_t count_without = s->map.keyframe_count - (id.valid() ? 1 : 0);
   s->counts.keyframes_culled += static_cast<std::uint32_t>(count_before - count_without);
   if (!id.valid()) {
     s->counts.tables_full += is_before_camera(s->localised.absolute.pose) ? 1 : 0;
     return {};
   }
-  s->map.keyframes[id.index()].R_IC = input.R_IC;
   ++s->counts.keyframes_inserted;
   add_keyframe_error(s->localised, &s->drift);
   create(id, input, s);
-  const int closed = close_loop(
-      localise_input(input, s->map), id, {}, &s->scratch.localise, &s->scratch.other, &s->map);
+  const int closed = close_loop(localise_input(input, s->map), id, {}, &s->scratch, &s->map);
   s->counts.closures += closed > 0 ? 1 : 0;
   return {.keyframe = id, .loop_found = closed > 0};
 }

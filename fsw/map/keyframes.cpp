@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "geometry/so3.hpp"
+#include "map/map_state.hpp"
 
 namespace polhode {
 namespace {
@@ -112,12 +113,8 @@ int make_room(int count, const MapOptions& options, Map* map) {
   return gone;
 }
 
-KeyframeId insert_keyframe(std::uint32_t frame,
-                           std::int64_t timestamp_ns,
-                           const Features& features,
-                           const LocalisedFrame& localised,
-                           const MapOptions& options,
-                           Map* map) {
+KeyframeId insert_keyframe(const MapInput& frame, const LocalisedFrame& localised, Map* map) {
+  const MapOptions& options = *frame.options;
   if (!is_before_camera(localised.absolute.pose)) {
     return {};
   }
@@ -130,10 +127,11 @@ KeyframeId insert_keyframe(std::uint32_t frame,
     return id;
   }
   Keyframe& keyframe = map->keyframes[id.index()];
-  keyframe.frame = frame;
-  keyframe.timestamp_ns = timestamp_ns;
+  keyframe.frame = frame.frame;
+  keyframe.timestamp_ns = frame.timestamp_ns;
+  keyframe.R_IC = frame.R_IC;
   keyframe.pose = localised.absolute.pose;
-  keyframe.features = features;
+  keyframe.features = *frame.features;
   for (const LandmarkMatch& match : localised.matches) {
     if (match.inlier && match.feature >= 0 && map->landmarks[match.landmark.index()].used) {
       add_observation(id, static_cast<std::size_t>(match.feature), match.landmark, map);

@@ -9,6 +9,8 @@
 
 namespace polhode {
 
+struct MapInput;  // map/map_state.hpp
+
 /// A frame becomes a keyframe when the body has turned against the camera by
 /// keyframe_rotation_min_rad since the nearest keyframe (twice that when half of the table is
 /// taken, 0.15 of the map's own turn where that is less), or when it sees under
@@ -18,12 +20,7 @@ bool wants_keyframe(const Map& map, const Pose& pose, int inliers, const MapOpti
 /// Stores the frame; its inlier matches become observations. A full table first loses its most
 /// redundant keyframe.
 /// @return an invalid id when no keyframe may go.
-KeyframeId insert_keyframe(std::uint32_t frame,
-                           std::int64_t timestamp_ns,
-                           const Features& features,
-                           const LocalisedFrame& localised,
-                           const MapOptions& options,
-                           Map* map);
+KeyframeId insert_keyframe(const MapInput& frame, const LocalisedFrame& localised, Map* map);
 
 /// Lets the most redundant keyframes go until `count` more fit under keyframes_max, or none may go.
 /// @return how many went.

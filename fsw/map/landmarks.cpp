@@ -212,16 +212,19 @@ bool acceptable(const TriangulatedPoint& point, const CreateOptions& options, co
          std::sqrt(point.covariance_T.trace()) < map.radius_mu;
 }
 
-void create_pair(KeyframeId a,
-                 std::int32_t feature_a,
-                 KeyframeId b,
-                 std::int32_t feature_b,
+struct FeatureIn {
+  KeyframeId keyframe;
+  std::int32_t feature = -1;
+};
+
+void create_pair(const FeatureIn& a,
+                 const FeatureIn& b,
                  const CreateOptions& options,
                  double focal_px,
                  Map* map) {
   const std::array<RayObservation, 2> pair{
-      observation(map->keyframes[a.index()], feature_a, focal_px),
-      observation(map->keyframes[b.index()], feature_b, focal_px)};
+      observation(map->keyframes[a.keyframe.index()], a.feature, focal_px),
+      observation(map->keyframes[b.keyframe.index()], b.feature, focal_px)};
   const Result<TriangulatedPoint> point = triangulate(pair);
   if (!point || !acceptable(point.value(), options, *map)) {
     return;
@@ -232,19 +235,17 @@ void create_pair(KeyframeId a,
   }
   Landmark& landmark = map->landmarks[id.index()];
   landmark.p_T = point.value().p_T;
-  landmark.created_keyframe = map->keyframes[a.index()].number;
-  add_observation(a, static_cast<std::size_t>(feature_a), id, map);
-  add_observation(b, static_cast<std::size_t>(feature_b), id, map);
+  landmark.created_keyframe = map->keyframes[a.keyframe.index()].number;
+  add_observation(a.keyframe, static_cast<std::size_t>(a.feature), id, map);
+  add_observation(b.keyframe, static_cast<std::size_t>(b.feature), id, map);
 }
 
-void match_partner(KeyframeId a,
-                   KeyframeId b,
+/// For each free feature of the partner the keyframe's own one, in scratch->best_of_b; -1: none.
+void match_partner(const Keyframe& own,
+                   const Keyframe& partner,
                    const CreateOptions& options,
                    double focal_px,
-                   CreateScratch* scratch,
-                   Map* map) {
-  const Keyframe& own = map->keyframes[a.index()];
-  const Keyframe& partner = map->keyframes[b.index()];
+                   CreateScratch* scratch) {
   list_free(own, &scratch->taken, &scratch->free_a);
   list_free(partner, &scratch->taken, &scratch->free_b);
   RelativePose motion = relative_pose(own.pose, partner.pose);
@@ -266,12 +267,6 @@ void match_partner(KeyframeId a,
     if (best.nearest2 < scratch->distance_of_b[f]) {
       scratch->distance_of_b[f] = best.nearest2;
       scratch->best_of_b[f] = index;
-    }
-  }
-  for (const std::int32_t index : scratch->free_b) {
-    if (scratch->best_of_b[static_cast<std::size_t>(index)] >= 0) {
-      create_pair(
-          a, scratch->best_of_b[static_cast<std::size_t>(index)], b, index, options, focal_px, map);
     }
   }
 }
@@ -327,7 +322,17 @@ int create_landmarks(KeyframeId keyframe,
   const std::int32_t before = map->next_landmark_number;
   const double focal_px = camera.focal_px();
   for (const KeyframeId partner : partners_of(keyframe, options, *map)) {
-    match_partner(keyframe, partner, options, focal_px, scratch, map);
+    match_partner(map->keyframes[keyframe.index()],
+                  map->keyframes[partner.index()],
+                  options,
+                  focal_px,
+                  scratch);
+    for (const std::int32_t index : scratch->free_b) {
+      const std::int32_t best = scratch->best_of_b[static_cast<std::size_t>(index)];
+      if (best >= 0) {
+        create_pair({keyframe, best}, {partner, index}, options, focal_px, map);
+      }
+    }
   }
   return map->next_landmark_number - before;
 }

@@ -27,20 +27,23 @@ bool scale_agrees(double predicted_px, const Feature& feature) {
   return ratio > 0.5 && ratio < 2.0;
 }
 
-/// @param size_px  predicted radius of the landmark's blob.
-NearestFeature best_candidate(const LocaliseInput& input,
+/// Where a landmark's blob is looked for, and of what radius it should be.
+struct ExpectedBlob {
+  Eigen::Vector2d pixel;
+  double within_px = 0.0;
+  double size_px = 0.0;
+};
+
+NearestFeature best_candidate(const Features& features,
                               const Landmark& landmark,
-                              const Eigen::Vector2d& pixel,
-                              double size_px,
-                              double radius_px,
+                              const ExpectedBlob& blob,
                               const FeatureGrid& grid) {
   std::array<std::int32_t, 256> near{};
-  const Features& features = *input.features;
-  const std::size_t count = grid.find(pixel.x(), pixel.y(), radius_px, near);
+  const std::size_t count = grid.find(blob.pixel.x(), blob.pixel.y(), blob.within_px, near);
   NearestFeature best;
   for (std::size_t k = 0; k < count; ++k) {
     const Feature& feature = features[static_cast<std::size_t>(near[k])];
-    if (!scale_agrees(size_px, feature)) {
+    if (!scale_agrees(blob.size_px, feature)) {
       continue;
     }
     keep_nearest(
@@ -194,14 +197,15 @@ void match_about(const LocaliseInput& input,
   out->predicted = 0;
   for (std::size_t i = 0; i < input.map->landmarks.size(); ++i) {
     const Landmark& landmark = input.map->landmarks[i];
-    Eigen::Vector2d pixel;
-    if (!takes_part(input, landmark) || !should_be_seen(landmark, pose, *input.camera, &pixel)) {
+    ExpectedBlob blob{.pixel = {}, .within_px = radius_px};
+    if (!takes_part(input, landmark) ||
+        !should_be_seen(landmark, pose, *input.camera, &blob.pixel)) {
       continue;
     }
     ++out->predicted;
-    const double size_px = landmark.size_mu * focal_px / pose.to_camera(landmark.p_T).z();
-    const NearestFeature best = widely(
-        [&] { return best_candidate(input, landmark, pixel, size_px, radius_px, scratch->grid); });
+    blob.size_px = landmark.size_mu * focal_px / pose.to_camera(landmark.p_T).z();
+    const NearestFeature best =
+        widely([&] { return best_candidate(*input.features, landmark, blob, scratch->grid); });
     if (best.feature < 0 || best.nearest2 > kDistance2Max || best.nearest2 > ratio2 * best.rival2) {
       continue;
     }

@@ -191,7 +191,7 @@ std::vector<std::size_t> of_different_sides(const std::vector<std::size_t>& name
 /// the places of many tell this one.
 Pose fit_to_votes(const LocaliseInput& input, const std::vector<Vote>& votes, Pose pose) {
   constexpr int kRounds = 4;       // to a third in all, in which features are then searched
-  constexpr double kNearer = 0.7;  // chosen: half of the area
+  constexpr double kNearer = 0.7;  // half of the area
   constexpr double kSigmas = 4.0;  // within reach of what is searched for
   std::vector<PoseObservation> observations;
   double part = kReachPart;

@@ -3,7 +3,6 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <optional>
 #include <utility>
 
@@ -134,9 +133,7 @@ bool follow_by_flow(const MapInput& input, const ExpectedPose& expected, MapStat
   }
   ensure_pyramids(*input.gray, s);
   const Result<bool> done = localise_by_flow(localise_input(input, s->map),
-                                             s->reference,
-                                             s->pyramid,
-                                             *input.tracks,
+                                             {&s->reference, &s->pyramid, input.tracks},
                                              predicted,
                                              &s->scratch.localise,
                                              &s->localised);
@@ -246,15 +243,15 @@ bool is_ambiguous(const MapInput& input, const std::optional<ExpectedPose>& expe
   if (expected && !is_young(*expected, false) && plausible(*expected, false, *s)) {
     return false;
   }
-  const auto other = std::make_unique<LocalisedFrame>();
+  LocalisedFrame other;
   const LocaliseInput localise = localise_input(input, s->map);
   const AbsolutePose& found = s->localised.absolute;
   const Result<bool> done =
-      relocalise_elsewhere(localise, found.pose, &s->scratch.localise, other.get());
-  const bool rival = done && agrees(*other, input.localise->inliers_min) &&
-                     rotation_angle_rad(found.pose.R_CT, other->absolute.pose.R_CT) >
-                         4.0 * sigma_between(found.covariance, other->absolute.covariance);
-  take_matches(localise, s->localised, &s->scratch.localise, other.get());  // for what follows
+      relocalise_elsewhere(localise, found.pose, &s->scratch.localise, &other);
+  const bool rival = done && agrees(other, input.localise->inliers_min) &&
+                     rotation_angle_rad(found.pose.R_CT, other.absolute.pose.R_CT) >
+                         4.0 * sigma_between(found.covariance, other.absolute.covariance);
+  take_matches(localise, s->localised, &s->scratch.localise, &other);  // for what follows
   return rival;
 }
 

@@ -114,13 +114,8 @@ cv::Rect box_of_appearances(const cv::Mat& outline) {
 
 }  // namespace
 
-void add_appearance(const cv::Mat& picture,
-                    const cv::Mat& outline,
-                    const cv::Mat& matches,
-                    const cv::Rect& region,
-                    int step,
-                    AppearanceScratch* s,
-                    cv::Mat* unary_cost) {
+void add_appearance(const AppearanceInput& input, AppearanceScratch* s, cv::Mat* unary_cost) {
+  const auto& [picture, outline, matches, region, step] = input;
   const cv::Rect box = box_of_appearances(outline);
   if (box.empty()) {
     return;

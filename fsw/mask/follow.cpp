@@ -48,13 +48,11 @@ cv::Rect with_seeds(const cv::Rect& box, const MaskState& s) {
 cv::Rect enclose(int gap_radius_px, MaskState* s) {
   const int step = s->foreground.step;
   const cv::Rect region = with_seeds(s->foreground.region, *s);
-  const cv::Mat gap = closing(*s, gap_radius_px / step);
-  const cv::Mat seeds = s->map.seeds_box.empty() ? cv::Mat() : s->map.seeds;
-  const bool found = find_outline(s->foreground.log_odds,
-                                  seeds,
-                                  coarser(region, step),
-                                  gap,
-                                  step,
+  const bool found = find_outline({.log_odds = s->foreground.log_odds,
+                                   .seeds = s->map.seeds_box.empty() ? cv::Mat() : s->map.seeds,
+                                   .region = coarser(region, step),
+                                   .closing = closing(*s, gap_radius_px / step),
+                                   .step = step},
                                   &s->scratch.outline,
                                   &s->scratch.enclosed);
   return found ? region : cv::Rect();
@@ -164,13 +162,13 @@ cv::Rect region_of_interest(const MaskState& s) {
   constexpr std::size_t kEverywhereBefore = 8;
   // Least margin before a map. Chosen: larger costs time, smaller misses parts of a small target.
   constexpr int kMarginMin_px = 16;
-  const bool mapped = !s.map.seeds.empty();
-  const std::size_t everywhere_each = mapped ? kEverywhereWithMap : kEverywhereBefore;
+  const bool has_seeds = !s.map.seeds.empty();
+  const std::size_t everywhere_each = has_seeds ? kEverywhereWithMap : kEverywhereBefore;
   const cv::Rect whole = s.points.whole();
   if (!s.was_found || s.compared % everywhere_each == 0 || s.outline.size() != whole.size()) {
     return whole;
   }
-  if (mapped) {
+  if (has_seeds) {
     return box_of_cuts(s);  // the cuts move the outline no farther
   }
   // A quarter on each side: half as large again, as half of the target may still be missing.
@@ -339,7 +337,7 @@ void sharpen_outline(MaskState* s) {
   if (mapped) {
     match_background(picture, s->foreground.noise, &s->background_model);
     const cv::Mat& matches = s->background_model.matches;
-    add_appearance(picture, s->outline, matches, box, step, &scratch.appearance, &unary_cost);
+    add_appearance({picture, s->outline, matches, box, step}, &scratch.appearance, &unary_cost);
   }
   measure_edges(picture, box_of_edges(*s), &scratch.edges);
   s->outline.copyTo(scratch.added);

@@ -79,7 +79,7 @@ double measure_noise(const cv::Mat& now,
 
 /// Spreads the motion of the target's points over `age` images to the grid's cells between and
 /// around them.
-void spread_motion(const PointsState& points, std::size_t age, ForegroundState* s) {
+void spread_motion(const PointsState& points, std::size_t age, TargetFlow* s) {
   const cv::Size size = points.picture(0).size();
   const cv::Size grid((size.width + kCell_px - 1) / kCell_px,
                       (size.height + kCell_px - 1) / kCell_px);
@@ -120,7 +120,7 @@ void spread_motion(const PointsState& points, std::size_t age, ForegroundState* 
 /// four neighbours: origins are whole pixels, half a pixel off at most. With the diagonal
 /// neighbours outlines in a room overlap by 0.01 less, and twice as many landmarks are on the
 /// background (decision 0012).
-void find_bounds(const cv::Mat& before, ForegroundState* s) {
+void find_bounds(const cv::Mat& before, ForegroundScratch* s) {
   const cv::Mat around = cv::getStructuringElement(cv::MORPH_CROSS, cv::Size(3, 3));
   cv::erode(before, s->low, around);
   cv::dilate(before, s->high, around);
@@ -139,7 +139,7 @@ void find_bounds(const cv::Mat& before, ForegroundState* s) {
 }
 
 /// How far each pixel of `now` lies outside of what was within a pixel of its origin, in levels.
-void measure_excess(const cv::Mat& now, double cap, ForegroundState* s) {
+void measure_excess(const cv::Mat& now, double cap, ForegroundScratch* s) {
   look_up(s->bounds, s->origins, &s->warped);
   s->excess.create(now.size(), CV_8UC1);
   widely([&] {
@@ -199,20 +199,20 @@ void compare_with_background(const PointsState& points,
                              ForegroundState* s) {
   const cv::Mat now = points.picture(0)(region);
   for (std::size_t i = 0; i < motion.layers.size(); ++i) {
-    trace_plane(motion.layers[i], region, points.whole().size(), &s->origins);
+    trace_plane(motion.layers[i], region, points.whole().size(), &s->scratch.origins);
     if (i == 0) {
       // Mean of two images: one with an untypical median counts half.
       s->noise = 0.5 * s->noise +
                  0.5 * measure_noise(
                            points.picture(0), points.picture(motion.age), motion.layers[i], region);
     }
-    measure_excess(now, std::round(kCapSigma * s->noise), s);
-    find_visible(motion.layers[i], points.picture(0).size(), region, &s->visible);
-    cv::bitwise_and(s->excess, s->visible, s->excess);
+    measure_excess(now, std::round(kCapSigma * s->noise), &s->scratch);
+    find_visible(motion.layers[i], points.picture(0).size(), region, &s->scratch.visible);
+    cv::bitwise_and(s->scratch.excess, s->scratch.visible, s->scratch.excess);
     if (i == 0) {
-      cv::swap(s->excess, s->least);
+      cv::swap(s->scratch.excess, s->scratch.least);
     } else {
-      cv::min(s->excess, s->least, s->least);
+      cv::min(s->scratch.excess, s->scratch.least, s->scratch.least);
     }
   }
 }
@@ -221,14 +221,14 @@ void compare_with_target(const PointsState& points,
                          std::size_t age,
                          const cv::Rect& region,
                          ForegroundState* s) {
-  spread_motion(points, age, s);
-  trace_flow(s->flow, kCell_px, region, points.whole().size(), &s->origins);
-  measure_excess(points.picture(0)(region), std::round(kCapSigma * s->noise), s);
+  spread_motion(points, age, &s->scratch.target);
+  trace_flow(s->scratch.target.flow, kCell_px, region, points.whole().size(), &s->scratch.origins);
+  measure_excess(points.picture(0)(region), std::round(kCapSigma * s->noise), &s->scratch);
 }
 
 /// How much more the background's motions are contradicted than the target's, summed over the
 /// window.
-void sum_over_window(ForegroundState* s) {
+void sum_over_window(ForegroundScratch* s) {
   s->difference.create(s->least.size(), CV_8UC1);
   const int columns = s->least.cols;
   for (int row = 0; row < s->least.rows; ++row) {
@@ -260,15 +260,19 @@ void carry_and_add(std::size_t compared_age, const cv::Rect& region, ForegroundS
   constexpr float kAddedMost = 2.0F;
   constexpr int kPixels = kDifferenceWindow_px * kDifferenceWindow_px;
   const auto scale = static_cast<float>(1.0 / (kPixels * s->noise));
-  s->flow *= 1.0 / static_cast<double>(compared_age);
-  carry(s->flow, kCell_px, region, s->step, s->log_odds, &s->from, &s->carried);
+  s->scratch.target.flow *= 1.0 / static_cast<double>(compared_age);
+  carry(s->scratch.target.flow,
+        {region, s->step, kCell_px},
+        s->log_odds,
+        &s->scratch.from,
+        &s->scratch.carried);
   const cv::Rect part = coarser(region, s->step);
   s->log_odds.setTo(0.0);
   widely([&] {
     const int step = s->step;
     for (int row = 0; row < part.height; ++row) {
-      const auto* carried = s->carried.ptr<float>(row);
-      const auto* sum = s->sum.ptr<std::uint16_t>(row * step);
+      const auto* carried = s->scratch.carried.ptr<float>(row);
+      const auto* sum = s->scratch.sum.ptr<std::uint16_t>(row * step);
       auto* total = s->log_odds.ptr<float>(part.y + row) + part.x;
       for (int column = 0; column < part.width; ++column) {
         const float added =
@@ -291,9 +295,9 @@ void resize_log_odds(const cv::Size& picture, int step, ForegroundState* s) {
   }
   const bool same_picture =
       !s->log_odds.empty() && coarser({cv::Point(), picture}, s->step).size() == s->log_odds.size();
-  cv::swap(s->log_odds, s->before);
+  cv::swap(s->log_odds, s->scratch.before);
   if (same_picture) {
-    cv::resize(s->before,
+    cv::resize(s->scratch.before,
                s->log_odds,
                size,
                0.0,
@@ -330,20 +334,20 @@ void update_log_odds(const PointsState& points,
     motion = &background.motions[s->longer ? 0 : 1];
   }
   s->longer = !s->longer;
-  find_bounds(points.picture(motion->age), s);
+  find_bounds(points.picture(motion->age), &s->scratch);
   compare_with_background(points, *motion, s->region, s);
   compare_with_target(points, motion->age, s->region, s);
-  sum_over_window(s);
+  sum_over_window(&s->scratch);
   carry_and_add(motion->age, s->region, s);
 }
 
 void remember_outline(const cv::Mat& outline, ForegroundState* s) {
   // After one image 0.55 of it is left, which is over kTargetLogOdds, and after two it is under.
   constexpr float kRemembered = 0.7F;
-  cover_by_half(outline, s->log_odds.size(), &s->covered);
+  cover_by_half(outline, s->log_odds.size(), &s->scratch.covered);
   widely([&] {
     for (int row = 0; row < s->log_odds.rows; ++row) {
-      const auto* target = s->covered.ptr<std::uint8_t>(row);
+      const auto* target = s->scratch.covered.ptr<std::uint8_t>(row);
       auto* total = s->log_odds.ptr<float>(row);
       for (int column = 0; column < s->log_odds.cols; ++column) {
         const float least = target[column] != 0 ? kRemembered : -ForegroundState::kLogOddsMax;

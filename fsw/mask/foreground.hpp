@@ -10,6 +10,19 @@
 
 namespace polhode {
 
+/// Motion of the target on a grid of cells, and how many points each cell's rests on.
+struct TargetFlow {
+  cv::Mat flow, flow_far, weight, weight_far;
+};
+
+/// Working memory; contents mean nothing between calls.
+struct ForegroundScratch {
+  cv::Mat warped, visible, low, high, bounds, excess, least, difference, sum, from, carried, before,
+      covered;
+  TargetFlow target;
+  Origins origins;
+};
+
 struct ForegroundState {
   // Over what comparisons can add up to: 2 an image, of which 0.55 stays, is 4.4 in the end.
   static constexpr float kLogOddsMax = 6.0F;
@@ -22,12 +35,7 @@ struct ForegroundState {
   bool longer = true;  ///< the next image is compared over the longer of the two ages
   cv::Rect region;     ///< in which the last images were compared, working pixels
   double noise = kNoiseFirst;  ///< one sigma of a working pixel, levels
-
-  // Scratch; contents mean nothing between calls.
-  cv::Mat warped, visible, low, high, bounds, excess, least, difference, sum, from, carried, before,
-      covered;
-  cv::Mat flow, flow_far, weight, weight_far;
-  Origins origins;
+  ForegroundScratch scratch;
 };
 
 /// Log-odds for an image of this size, by cells of so many of its pixels. What is known stays,

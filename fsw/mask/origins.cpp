@@ -105,12 +105,11 @@ void look_up(const cv::Mat& before, const Origins& origins, cv::Mat* out) {
 }
 
 void carry(const cv::Mat& flow,
-           int cell_px,
-           const cv::Rect& region,
-           int step,
+           const CarriedRegion& to,
            const cv::Mat& before,
            cv::Mat* from,
            cv::Mat* out) {
+  const auto& [region, step, cell_px] = to;
   spread_flow(flow, cell_px, region, step, from);
   const cv::Rect part = coarser(region, step);
   const float scale = 1.0F / static_cast<float>(step);

@@ -33,16 +33,21 @@ void trace_flow(const cv::Mat& flow,
 /// What was there. @param before  continuous, CV_16UC1. @param out  of the size of the origins.
 void look_up(const cv::Mat& before, const Origins& origins, cv::Mat* out);
 
+/// A region of this image, by cells.
+struct CarriedRegion {
+  cv::Rect region;  ///< from the corner of a cell of the flow on
+  int step = 1;     ///< pixels per cell, along a side: a divisor of flow_cell_px
+  int flow_cell_px = 1;
+};
+
 /// What was kept of an earlier image, by cells, where the flow has brought it. Between cells by
 /// interpolation; outside of it the border is repeated.
-/// @param flow, region  as above
-/// @param step  pixels per cell of `before` and of `out`, along a side: a divisor of `cell_px`
-/// @param from  scratch
-/// @param out   the region, by cells
+/// @param flow    as above
+/// @param before  by cells like those of `out`
+/// @param from    scratch
+/// @param out     the region
 void carry(const cv::Mat& flow,
-           int cell_px,
-           const cv::Rect& region,
-           int step,
+           const CarriedRegion& to,
            const cv::Mat& before,
            cv::Mat* from,
            cv::Mat* out);

@@ -85,34 +85,29 @@ void fill_holes(cv::Mat* outline, cv::Mat* flooded) {
 
 }  // namespace
 
-bool find_outline(const cv::Mat& all_log_odds,
-                  const cv::Mat& all_seeds,
-                  const cv::Rect& region,
-                  const cv::Mat& closing,
-                  int step,
-                  OutlineScratch* s,
-                  cv::Mat* whole_outline) {
-  whole_outline->create(all_log_odds.size(), CV_8UC1);
+bool find_outline(const OutlineInput& input, OutlineScratch* s, cv::Mat* whole_outline) {
+  const cv::Rect& region = input.region;
+  whole_outline->create(input.log_odds.size(), CV_8UC1);
   whole_outline->setTo(0);
   if (region.empty()) {
     return false;
   }
-  const cv::Mat log_odds = all_log_odds(region);
-  const cv::Mat seeds = all_seeds.empty() ? cv::Mat() : all_seeds(region);
+  const cv::Mat log_odds = input.log_odds(region);
+  const cv::Mat seeds = input.seeds.empty() ? cv::Mat() : input.seeds(region);
   cv::Mat outline = (*whole_outline)(region);
   cv::compare(log_odds, static_cast<double>(kTargetLogOdds), s->positive, cv::CMP_GT);
   cv::medianBlur(s->positive, s->positive, 3);  // single pixels are noise
   if (!seeds.empty()) {
     cv::bitwise_or(s->positive, seeds, s->positive);
   }
-  cv::morphologyEx(s->positive, s->positive, cv::MORPH_CLOSE, closing);
+  cv::morphologyEx(s->positive, s->positive, cv::MORPH_CLOSE, input.closing);
   const int count = cv::connectedComponents(s->positive, s->labels, 8, CV_32S);
   const std::vector<Piece> pieces = weigh_pieces(log_odds, seeds, s->labels, count);
   const auto main =
       std::max_element(pieces.begin() + 1, pieces.end(), [](const Piece& a, const Piece& b) {
         return a.log_odds < b.log_odds;
       });
-  const int pixels = step * step;
+  const int pixels = input.step * input.step;
   if (count < 2 || pixels * main->log_odds < kPieceLogOddsMin ||
       pixels * main->box().area() < kTargetAreaMin) {
     return false;

@@ -21,19 +21,17 @@ struct OutlineScratch {
   cv::Mat positive, labels, stats, centroids, flooded;
 };
 
+struct OutlineInput {
+  cv::Mat log_odds;  ///< CV_32FC1
+  cv::Mat seeds;     ///< CV_8UC1 or empty: target whatever the log-odds
+  cv::Rect region;   ///< outside of it the log-odds are 0
+  cv::Mat closing;   ///< CV_8UC1, of odd sides: gaps that it does not fit into are closed
+  int step = 1;      ///< working pixels per pixel of all of these, along a side
+};
+
 /// The piece with the largest sum of log-odds, and what lies close to it: closed, its holes filled.
-/// @param log_odds CV_32FC1. @param seeds CV_8UC1 or empty: target whatever the log-odds.
-/// @param region outside of it the log-odds are 0. @param closing CV_8UC1, of odd sides: gaps that
-/// it does not fit into are closed.
-/// @param step working pixels per pixel of all of these, along a side.
 /// @param outline CV_8UC1, 255 on the target; all 0 when there is no piece worth a target.
 /// @return false when there is none.
-bool find_outline(const cv::Mat& log_odds,
-                  const cv::Mat& seeds,
-                  const cv::Rect& region,
-                  const cv::Mat& closing,
-                  int step,
-                  OutlineScratch* scratch,
-                  cv::Mat* outline);
+bool find_outline(const OutlineInput& input, OutlineScratch* scratch, cv::Mat* outline);
 
 }  // namespace polhode

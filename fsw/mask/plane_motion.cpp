@@ -24,19 +24,21 @@ constexpr std::size_t kAgreeMin = 8;
 // Coordinates in hundreds of pixels keep the equations' terms of one size.
 constexpr double kUnit_px = 100.0;
 
-/// The two equations, linear in the eight unknowns (the ninth element is 1), of a pair of points.
-void equations(const cv::Point2f& from,
-               const cv::Point2f& to,
-               Vector8d* row_u,
-               Vector8d* row_v,
-               double* u,
-               double* v) {
+/// Two equations, linear in the eight unknowns (the ninth element is 1): row * unknowns = u, or v.
+struct PairEquations {
+  Vector8d row_u, row_v;
+  double u = 0.0, v = 0.0;
+};
+
+PairEquations equations_of(const cv::Point2f& from, const cv::Point2f& to) {
   const double x = static_cast<double>(from.x) / kUnit_px;
   const double y = static_cast<double>(from.y) / kUnit_px;
-  *u = static_cast<double>(to.x) / kUnit_px;
-  *v = static_cast<double>(to.y) / kUnit_px;
-  *row_u << x, y, 1.0, 0.0, 0.0, 0.0, -*u * x, -*u * y;
-  *row_v << 0.0, 0.0, 0.0, x, y, 1.0, -*v * x, -*v * y;
+  PairEquations e;
+  e.u = static_cast<double>(to.x) / kUnit_px;
+  e.v = static_cast<double>(to.y) / kUnit_px;
+  e.row_u << x, y, 1.0, 0.0, 0.0, 0.0, -e.u * x, -e.u * y;
+  e.row_v << 0.0, 0.0, 0.0, x, y, 1.0, -e.v * x, -e.v * y;
+  return e;
 }
 
 /// Back to pixels.
@@ -60,11 +62,11 @@ std::optional<cv::Matx33d> through_four(std::span<const cv::Point2f> from,
   Vector8d b;
   for (int i = 0; i < 4; ++i) {
     const std::size_t k = sample[static_cast<std::size_t>(i)];
-    Vector8d row_u;
-    Vector8d row_v;
-    equations(from[k], to[k], &row_u, &row_v, &b(2 * i), &b(2 * i + 1));
-    A.row(2 * i) = row_u.transpose();
-    A.row(2 * i + 1) = row_v.transpose();
+    const PairEquations e = equations_of(from[k], to[k]);
+    A.row(2 * i) = e.row_u.transpose();
+    A.row(2 * i + 1) = e.row_v.transpose();
+    b(2 * i) = e.u;
+    b(2 * i + 1) = e.v;
   }
   const Vector8d h = A.partialPivLu().solve(b);
   return h.allFinite() ? std::optional(in_pixels(h)) : std::nullopt;
@@ -97,13 +99,9 @@ void refine(std::span<const cv::Point2f> from,
   for (std::size_t i = 0; i < from.size(); ++i) {
     const cv::Point2f d = moved(*motion, from[i]) - to[i];
     if (d.x * d.x + d.y * d.y < limit) {
-      Vector8d row_u;
-      Vector8d row_v;
-      double u = 0.0;
-      double v = 0.0;
-      equations(from[i], to[i], &row_u, &row_v, &u, &v);
-      normal += row_u * row_u.transpose() + row_v * row_v.transpose();
-      right += u * row_u + v * row_v;
+      const PairEquations e = equations_of(from[i], to[i]);
+      normal += e.row_u * e.row_u.transpose() + e.row_v * e.row_v.transpose();
+      right += e.u * e.row_u + e.v * e.row_v;
     }
   }
   const Vector8d h = normal.ldlt().solve(right);

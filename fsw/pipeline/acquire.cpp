@@ -20,7 +20,7 @@ void collect(Component::State* s) {
     close_cells(*picture.own, &picture.mask);
   }
   stage_done(Stage::kMask, s->timer);
-  detect_once(s);
+  detect_once(s->picture, s->configuration, s->steps_to_shed > 0, s->timer, &s->features);
   const Parameters& parameters = s->configuration.parameters;
   const Collected collected = collect_frame({.frame = s->clock.frame,
                                              .timestamp_ns = s->clock.timestamp_ns,

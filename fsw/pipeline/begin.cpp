@@ -40,10 +40,10 @@ void take_over_start(const Similarity& to_T, Component::State* s) {
   const CameraModel& camera = s->configuration.camera;
   Map& map = s->mapping.map;
   s->jobs.adjustment.first_keyframe = map.next_keyframe_number;
-  begin_map(start,
-            s->jobs.start.first_frame,
-            s->initialisation.tracks,
-            to_T,
+  begin_map({.outcome = &start,
+             .first_frame = s->jobs.start.first_frame,
+             .tracks = &s->initialisation.tracks,
+             .to_T = to_T},
             s->configuration.parameters.map,
             &map);
   refresh_landmarks(&map, camera);

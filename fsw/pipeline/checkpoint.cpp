@@ -97,23 +97,29 @@ void take_used(Reader* in, Table* table) {
 }
 
 /// What goes on after a restart, room by room: the one list for both directions. Tables with unused
-/// slots follow after it.
+/// slots follow after it. Rooms are taken apart by all their members, so that a new one does not
+/// compile until somebody has decided here whether it goes on.
 /// @param visit  called with each value.
 template <typename Visitor, typename State>
 void visit_persistent(Visitor&& visit, State& s) {
   const auto all = [&](auto&... values) { (visit(values), ...); };
-  auto& map = s.mapping.map;
-  auto& events = s.bus.events;
-  all(s.configuration.parameters, s.configuration.table_crc);  // as activated by command
-  all(s.counters, s.mapping.counts, s.jobs.counts);  // a checkpoint may be written within a step
-  all(s.mode.held, s.clock.next_frame, s.clock.timestamp_ns, s.clock.time_known);
-  all(s.mapping.drift, s.mapping.target_frame, map.next_keyframe_number, map.next_landmark_number);
+  // clang-format off
+  auto& [configuration, counters, mode, clock, to_shed, picture, features, initialisation, mapping,
+         motion, shape, scale, camera, jobs, bus, answer, timer] = s;
+  auto& [map, drift, target_frame, reference, pyramid, localised, has_pose, teaches, doubted,
+         before, growth, last_adjustment, moved_rad, map_counts, scratch] = mapping;
+  auto& [stream, events, commands, commands_done, cloud, servicer, predictions, reported,
+         bus_scale, q_CT_last, tables_damaged] = bus;
+  // clang-format on
+  auto& [event_counts, window_begin, sent, suppressed, command_sequence, waiting] = events;
+  all(configuration.parameters, configuration.table_crc);  // as activated by command
+  all(counters, map_counts, jobs.counts);  // a checkpoint may be written within a step
+  all(mode.held, clock.next_frame, clock.timestamp_ns, clock.time_known);
+  all(drift, target_frame, map.next_keyframe_number, map.next_landmark_number);
   all(map.keyframe_count, map.landmark_count, map.centre_T, map.radius_mu);
-  all(s.motion, s.shape, s.scale, s.camera, s.features.resting, s.mapping.last_adjustment_of_all);
-  all(s.bus.stream.sequence, s.bus.stream.not_sent);
-  all(events.counts, events.window_begin, events.sent, events.suppressed);
-  all(s.bus.commands, s.bus.commands_done, s.bus.cloud.number, s.bus.servicer, s.bus.reported);
-  all(s.bus.scale, s.bus.q_CT_last);
+  all(motion, shape, scale, camera, features.resting, last_adjustment);
+  all(stream.sequence, stream.not_sent, event_counts, window_begin, sent, suppressed);
+  all(commands, commands_done, cloud.number, servicer, reported, bus_scale, q_CT_last);
 }
 
 /// Jobs that are out are lost with the process: what they were for is still to be done.

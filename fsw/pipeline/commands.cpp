@@ -7,6 +7,7 @@
 #include "base/time_doubt.hpp"
 #include "bus/commands.hpp"
 #include "bus/dynamics_telemetry.hpp"
+#include "bus/event_reports.hpp"
 #include "motion/disturbance.hpp"
 #include "pipeline/parameter_image.hpp"
 #include "pipeline/point_question.hpp"
@@ -16,8 +17,9 @@
 namespace polhode {
 namespace {
 
+namespace event = bus::event;
+
 using bus::Command;
-using bus::EventId;
 using bus::Refusal;
 using bus::Rejection;
 
@@ -25,69 +27,67 @@ using bus::Rejection;
 using Outcome = std::string_view;
 constexpr Outcome kDone{};
 
-Outcome command_hold(Component::State* s) {
-  if (s->mode.held) {
+/// After it frames are no longer looked at.
+Outcome hold_frames(ModeState* mode) {
+  if (mode->held) {
     return "held already";
   }
-  s->mode.held = true;
-  change_mode(ModeEvent::kHoldCommanded, &s->mode);
-  pause(s);
+  mode->held = true;
+  change_mode(ModeEvent::kHoldCommanded, mode);
   return kDone;
 }
 
-Outcome resume(Component::State* s) {
-  if (!s->mode.held) {
+Outcome resume_frames(const Map& map, ModeState* mode) {
+  if (!mode->held) {
     return "not held";
   }
-  s->mode.held = false;
-  const bool has_map = s->mapping.map.landmark_count > 0;
-  change_mode(has_map ? ModeEvent::kResumedWithMap : ModeEvent::kResumedWithoutMap, &s->mode);
+  mode->held = false;
+  const bool has_map = map.landmark_count > 0;
+  change_mode(has_map ? ModeEvent::kResumedWithMap : ModeEvent::kResumedWithoutMap, mode);
   return kDone;
 }
 
 /// Length and range share the frame that they are read in, so each replaces the other, once it can
 /// be read.
-Outcome scale_read_in(std::int64_t frame_timestamp_ns, Component::State* s) {
-  s->configuration.parameters.scale.frame_timestamp_ns = frame_timestamp_ns;
-  s->configuration.table_crc = table_crc(s->configuration.parameters);
-  s->scale.keyframes_at_reading = 0;
+Outcome scale_read_in(std::int64_t frame_timestamp_ns, Configuration* c, ScaleState* state) {
+  c->parameters.scale.frame_timestamp_ns = frame_timestamp_ns;
+  c->table_crc = table_crc(c->parameters);
+  state->keyframes_at_reading = 0;
   return kDone;
 }
 
-Outcome set_known_length(const Command& command, Component::State* s) {
+Outcome set_known_length(const Command& command, Configuration* c, ScaleState* state) {
   const auto length = command.arguments<bus::SetKnownLengthCommand>();
   const auto inside = [&](const std::array<double, 2>& px) {
-    return px[0] <= s->configuration.camera.width_px - 0.5 &&
-           px[1] <= s->configuration.camera.height_px - 0.5;
+    return px[0] <= c->camera.width_px - 0.5 && px[1] <= c->camera.height_px - 0.5;
   };
   if (!inside(length.first_px) || !inside(length.second_px)) {
     return "point outside the image";
   }
-  ScaleOptions& scale = s->configuration.parameters.scale;
+  ScaleOptions& scale = c->parameters.scale;
   scale.known_length_m = length.length_m;
   scale.points_px = {length.first_px, length.second_px};
   scale.range_m = 0.0;
-  return scale_read_in(length.frame_timestamp_ns, s);
+  return scale_read_in(length.frame_timestamp_ns, c, state);
 }
 
-Outcome set_range(const Command& command, Component::State* s) {
+Outcome set_range(const Command& command, Configuration* c, ScaleState* state) {
   const auto range = command.arguments<bus::SetRangeCommand>();
-  s->configuration.parameters.scale.range_m = range.range_m;
-  s->configuration.parameters.scale.known_length_m = 0.0;
-  return scale_read_in(range.frame_timestamp_ns, s);
+  c->parameters.scale.range_m = range.range_m;
+  c->parameters.scale.known_length_m = 0.0;
+  return scale_read_in(range.frame_timestamp_ns, c, state);
 }
 
-Outcome servicer_attitude(const Command& command, Component::State* s) {
+Outcome take_attitude(const Command& command, ServicerAttitude* servicer) {
   const auto told = command.arguments<bus::ServicerAttitudeCommand>();
-  ServicerAttitude& servicer = s->bus.servicer;
   if (!sound::is_time(told.timestamp_ns)) {
     return "time is beyond the year 2116";
   }
-  if (servicer.known && told.timestamp_ns <= servicer.timestamp_ns &&
-      !outvotes(told.timestamp_ns, &servicer.doubt)) {
+  if (servicer->known && told.timestamp_ns <= servicer->timestamp_ns &&
+      !outvotes(told.timestamp_ns, &servicer->doubt)) {
     return "time does not increase";
   }
-  servicer = {
+  *servicer = {
       .known = true,
       .timestamp_ns = told.timestamp_ns,
       .q_IC =
@@ -96,22 +96,27 @@ Outcome servicer_attitude(const Command& command, Component::State* s) {
   return kDone;
 }
 
-Outcome request_cloud(const Command& command, Component::State* s) {
+/// @param now_ns  of the last frame that was looked at: landmarks are as they were then.
+Outcome request_cloud(const Command& command,
+                      std::int64_t now_ns,
+                      const Map& map,
+                      const ScaleState& scale,
+                      BusState* bus) {
   const auto request = command.arguments<bus::RequestCloudCommand>();
-  const auto in_map = static_cast<std::size_t>(s->mapping.map.landmark_count);
+  const auto in_map = static_cast<std::size_t>(map.landmark_count);
   if (in_map == 0) {
     return "no map";
   }
-  CloudRequest& cloud = s->bus.cloud;
+  CloudRequest& cloud = bus->cloud;
   cloud.points_T.clear();
   cloud.next = 0;
   ++cloud.number;
-  cloud.timestamp_ns = s->clock.timestamp_ns;
-  cloud.scale_known = s->scale.known;
-  cloud.metres_per_mu = s->scale.metres_per_mu;
+  cloud.timestamp_ns = now_ns;
+  cloud.scale_known = scale.known;
+  cloud.metres_per_mu = scale.metres_per_mu;
   const std::size_t wanted = std::min<std::size_t>(request.points_max, in_map);
   std::size_t seen = 0;
-  for (const Landmark& landmark : s->mapping.map.landmarks) {
+  for (const Landmark& landmark : map.landmarks) {
     if (!landmark.used) {
       continue;
     }
@@ -123,38 +128,34 @@ Outcome request_cloud(const Command& command, Component::State* s) {
       (void)cloud.points_T.push_back({p.x(), p.y(), p.z()});
     }
   }
-  const auto packets = static_cast<double>(chunks_of(cloud.points_T.size()));
-  bus::report(EventId::kCloudBegun,
-              {.values = {static_cast<double>(cloud.points_T.size()), packets}},
-              &s->bus.events);
+  const std::size_t points = cloud.points_T.size();
+  event::cloud_begun({.points = static_cast<std::uint32_t>(points),
+                      .packets = static_cast<std::uint32_t>(chunks_of(points))},
+                     &bus->events);
   return kDone;
 }
 
-Outcome table_load(const Command& command, Component::State* s) {
-  Configuration& c = s->configuration;
-  InactiveTable& table = c.inactive;
-  Parameters changed = table.begun ? table.parameters : c.parameters;
+Outcome load_table(const Command& command, Configuration* c, bus::EventLog* events) {
+  InactiveTable& table = c->inactive;
+  Parameters changed = table.begun ? table.parameters : c->parameters;
   for (std::size_t i = 0; i < command.entries; ++i) {
     const bus::TableLoadEntry entry = command.entry(i);
     const ParameterRow* row = find_parameter_by_crc(entry.key_crc);
     const bool good = row != nullptr && may_change_in_flight(row->key) &&
                       set_from_bits(*row, entry.index, entry.value, &changed);
     if (!good) {
-      bus::report(EventId::kTableRefused,
-                  {.values = {static_cast<double>(i), 0.0},
-                   .word = row == nullptr ? std::string_view("unknown key") : row->key},
-                  &s->bus.events);
+      event::table_refused({.entry = static_cast<std::uint32_t>(i),
+                            .key = row == nullptr ? "unknown key" : row->key},
+                           events);
       return "entry";
     }
   }
   table.begun = true;
   table.parameters = changed;
   table.crc = crc32_iso_hdlc(command.entry_octets(), table.crc);
-  table.entries += static_cast<std::uint32_t>(command.entries);
-  bus::report(
-      EventId::kTableLoaded,
-      {.values = {static_cast<double>(command.entries), static_cast<double>(table.entries)}},
-      &s->bus.events);
+  const auto entries = static_cast<std::uint32_t>(command.entries);
+  table.entries += entries;
+  event::table_loaded({.entries = entries, .in_all = table.entries}, events);
   return kDone;
 }
 
@@ -176,11 +177,16 @@ std::string_view objection(const bus::TableActivateCommand& commanded, const Con
   return needs_more_memory(table.parameters, c) ? "needs more memory" : "";
 }
 
-Outcome table_activate(const Command& command, Component::State* s) {
-  Configuration& c = s->configuration;
+/// @return why not, or empty. Whatever was fitted by other options of the motion is dropped.
+Outcome activate_table(const Command& command,
+                       Configuration* configuration,
+                       MotionEstimate* motion_estimate,
+                       JobQueue* jobs,
+                       bus::EventLog* events) {
+  Configuration& c = *configuration;
   const std::string_view why = objection(command.arguments<bus::TableActivateCommand>(), c);
   if (!why.empty()) {
-    bus::report(EventId::kTableNotActivated, {.word = why}, &s->bus.events);
+    event::table_not_activated({.reason = why}, events);
     return why;
   }
   // Length and range may have come by command since the table was begun.
@@ -189,108 +195,104 @@ Outcome table_activate(const Command& command, Component::State* s) {
   c.parameters = c.inactive.parameters;
   c.parameters.scale = scale;
   if (c.parameters.motion != motion) {  // the poses are no longer taken to move as they were
-    replace_model({}, &s->motion);
-    invalidate_fits(&s->jobs);
+    replace_model({}, motion_estimate);
+    invalidate_fits(jobs);
   }
   c.inactive = {};
   c.table_crc = table_crc(c.parameters);
-  bus::report(EventId::kTableActivated,
-              {.values = {static_cast<double>(c.table_crc), 0.0}},
-              &s->bus.events);
+  event::table_activated({.crc = c.table_crc}, events);
   return kDone;
 }
 
-Outcome table_discard(Component::State* s) {
-  if (!s->configuration.inactive.begun) {
+Outcome discard_table(InactiveTable* table) {
+  if (!table->begun) {
     return "no table loaded";
   }
-  s->configuration.inactive = {};
+  *table = {};
   return kDone;
 }
 
-Outcome noop(Component::State* s) {
-  bus::report(EventId::kNoop, {.word = kVersion}, &s->bus.events);
-  return kDone;
+void reset_counters(Counters* counters, BusState* bus) {
+  *counters = {};
+  bus->reported.counters = {};
+  bus->commands = {.last_code = bus->commands.last_code};  // this one
+  bus->stream.not_sent = 0;
+  bus->events.counts = {};
+  bus->events.sent = 0;
+  bus->events.suppressed = 0;
+  event::counters_reset(&bus->events);
 }
 
-Outcome reset_counters(Component::State* s) {
-  s->counters = {};
-  s->bus.reported.counters = {};
-  s->bus.commands = {.last_code = s->bus.commands.last_code};  // this one
-  s->bus.stream.not_sent = 0;
-  s->bus.events.counts = {};
-  s->bus.events.sent = 0;
-  s->bus.events.suppressed = 0;
-  bus::report(EventId::kCountersReset, {}, &s->bus.events);
-  return kDone;
-}
-
-Outcome checkpoint(Component::State* s) {
-  s->answer.output.checkpoint_asked = true;
-  bus::report(EventId::kCheckpointAsked,
-              {.values = {static_cast<double>(s->clock.frame), 0.0}},
-              &s->bus.events);
-  return kDone;
-}
-
-Outcome reset_map(Component::State* s) {
-  reset_target(s);
-  return kDone;
-}
-
-Outcome predict_point(const Command& command,
-                      const Component::State& s,
-                      bus::PacketStream* stream) {
+Outcome answer_point_question(const Command& command,
+                              const Component::State& s,
+                              bus::PointPacket* packet) {
   const auto asked = command.arguments<bus::PredictPointCommand>();
   PointState point;
-  const std::string_view why = polhode::predict_point({.timestamp_ns = asked.predicted_timestamp_ns,
-                                                       .target_frame = asked.target_frame,
-                                                       .p_T = asked.p_T,
-                                                       .normal_T = asked.normal_T},
-                                                      s,
-                                                      &point);
+  const std::string_view why = predict_point({.timestamp_ns = asked.predicted_timestamp_ns,
+                                              .target_frame = asked.target_frame,
+                                              .p_T = asked.p_T,
+                                              .normal_T = asked.normal_T},
+                                             s,
+                                             &point);
   if (!why.empty()) {
     return why;
   }
-  bus::PointPacket packet = bus::to_packet(point);
-  packet.number = asked.number;
-  packet.target_frame = asked.target_frame;
-  bus::append(packet, s.configuration.parameters.bus, stream);
+  *packet = bus::to_packet(point);
+  packet->number = asked.number;
+  packet->target_frame = asked.target_frame;
   return kDone;
 }
 
+/// Those that stop or forget the target go through most of the rooms; the others get theirs.
 Outcome carry_out(const Command& command, Component::State* s) {
+  Configuration* c = &s->configuration;
+  bus::EventLog* events = &s->bus.events;
+  Outcome outcome = kDone;
+  bus::PointPacket point;
   switch (command.code) {
     case bus::CommandCode::kNoop:
-      return noop(s);
+      event::noop({.version = kVersion}, events);
+      break;
     case bus::CommandCode::kResetCounters:
-      return reset_counters(s);
+      reset_counters(&s->counters, &s->bus);
+      break;
     case bus::CommandCode::kResetMap:
-      return reset_map(s);
+      reset_target(s);
+      break;
     case bus::CommandCode::kHold:
-      return command_hold(s);
+      outcome = hold_frames(&s->mode);
+      if (outcome == kDone) {
+        pause(s);
+      }
+      break;
     case bus::CommandCode::kResume:
-      return resume(s);
+      return resume_frames(s->mapping.map, &s->mode);
     case bus::CommandCode::kSetKnownLength:
-      return set_known_length(command, s);
+      return set_known_length(command, c, &s->scale);
     case bus::CommandCode::kSetRange:
-      return set_range(command, s);
+      return set_range(command, c, &s->scale);
     case bus::CommandCode::kServicerAttitude:
-      return servicer_attitude(command, s);
+      return take_attitude(command, &s->bus.servicer);
     case bus::CommandCode::kRequestCloud:
-      return request_cloud(command, s);
+      return request_cloud(command, s->clock.timestamp_ns, s->mapping.map, s->scale, &s->bus);
     case bus::CommandCode::kPredictPoint:
-      return predict_point(command, *s, &s->bus.stream);
+      outcome = answer_point_question(command, *s, &point);
+      if (outcome == kDone) {
+        bus::append(point, c->parameters.bus, &s->bus.stream);
+      }
+      break;
     case bus::CommandCode::kTableLoad:
-      return table_load(command, s);
+      return load_table(command, c, events);
     case bus::CommandCode::kTableActivate:
-      return table_activate(command, s);
+      return activate_table(command, c, &s->motion, &s->jobs, events);
     case bus::CommandCode::kTableDiscard:
-      return table_discard(s);
+      return discard_table(&c->inactive);
     case bus::CommandCode::kCheckpoint:
-      return checkpoint(s);
+      s->answer.output.checkpoint_asked = true;
+      event::checkpoint_asked({.frame = s->clock.frame}, events);
+      break;
   }
-  return "unknown";
+  return outcome;
 }
 
 /// Events of their own answer these: an acceptance by name would say it twice.
@@ -298,19 +300,18 @@ bool answers_by_itself(bus::CommandCode code) {
   return code == bus::CommandCode::kNoop || code == bus::CommandCode::kResetCounters;
 }
 
-void reject(Rejection reason, const bus::EventDetails& details, Component::State* s) {
-  ++s->bus.commands.rejected;
-  s->bus.commands.last_rejection = reason;
-  bus::report(bus::event_of(reason), details, &s->bus.events);
+void reject(const Refusal& refusal, BusState* bus) {
+  ++bus->commands.rejected;
+  bus->commands.last_rejection = refusal.reason;
+  bus::report_refusal(refusal, &bus->events);
 }
 
 /// Answered, but not carried out again, and in none of the counters of commands.
-void answer_again(const Command& command, Component::State* s) {
-  bus::report(EventId::kCommandRepeated,
-              {.values = {static_cast<double>(command.code),
-                          static_cast<double>(bus::command_sequence(command.octets))},
-               .word = command.layout->name},
-              &s->bus.events);
+void answer_again(const Command& command, bus::EventLog* events) {
+  event::command_repeated({.command = command.code,
+                           .name = command.layout->name,
+                           .sequence = bus::command_sequence(command.octets)},
+                          events);
 }
 
 void execute(std::span<const std::uint8_t> octets, Component::State* s) {
@@ -321,17 +322,19 @@ void execute(std::span<const std::uint8_t> octets, Component::State* s) {
     s->bus.commands.last_code = bus::get_u8(octets, bus::kCommandHeaderOctets - 1);
   }
   if (refusal.reason != Rejection::kNone) {
-    reject(refusal.reason, refusal.details, s);
+    reject(refusal, &s->bus);
     return;
   }
   if (bus::was_done(octets, s->clock.timestamp_ns, s->bus.commands_done)) {
-    answer_again(command, s);
+    answer_again(command, &s->bus.events);
     return;
   }
-  const double code = static_cast<double>(command.code);
   const Outcome outcome = carry_out(command, s);
   if (outcome != kDone) {
-    reject(Rejection::kState, {.values = {code, 0.0}, .word = outcome}, s);
+    reject({.reason = Rejection::kState,
+            .code = static_cast<std::uint8_t>(command.code),
+            .why = outcome},
+           &s->bus);
     return;
   }
   if (command.code != bus::CommandCode::kServicerAttitude) {  // refuses a repeated time by itself
@@ -339,9 +342,8 @@ void execute(std::span<const std::uint8_t> octets, Component::State* s) {
   }
   ++s->bus.commands.accepted;
   if (!answers_by_itself(command.code)) {
-    bus::report(EventId::kCommandAccepted,
-                {.values = {code, 0.0}, .word = command.layout->name},
-                &s->bus.events);
+    event::command_accepted({.command = command.code, .name = command.layout->name},
+                            &s->bus.events);
   }
 }
 
@@ -356,11 +358,9 @@ void execute_commands(std::span<const std::span<const std::uint8_t>> commands,
   }
   s->bus.events.command_sequence = 0;
   if (commands.size() > read) {
-    const std::size_t beyond = commands.size() - read;
-    reject(Rejection::kTooMany,
-           {.values = {static_cast<double>(beyond), static_cast<double>(limits::kStepCommands)}},
-           s);
-    s->bus.commands.rejected += static_cast<std::uint32_t>(beyond - 1);
+    const auto beyond = static_cast<std::uint32_t>(commands.size() - read);
+    reject({.reason = Rejection::kTooMany, .beyond = beyond}, &s->bus);
+    s->bus.commands.rejected += beyond - 1;
   }
 }
 

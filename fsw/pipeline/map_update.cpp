@@ -15,15 +15,18 @@ namespace {
 
 /// A motion was fitted together with the map: the map has no other drift than the model's own
 /// error.
-void take_motion_of_map(const RigidModel& model, Component::State* s) {
-  const std::optional<DriftByModel> left = take_joint_fit(model, &s->motion);
-  s->jobs.fit.unwanted = true;
-  MapDrift& drift = s->mapping.drift;
+void take_motion_of_map(const RigidModel& model,
+                        MapState* mapping,
+                        MotionEstimate* motion,
+                        JobQueue* jobs) {
+  const std::optional<DriftByModel> left = take_joint_fit(model, motion);
+  jobs->fit.unwanted = true;
+  MapDrift& drift = mapping->drift;
   if (left) {
     replace_random_walk(left->covariance_C, &drift);
-    hold_turn(left->relative_speed_sigma, s->mapping.map.radius_mu, &drift);
+    hold_turn(left->relative_speed_sigma, mapping->map.radius_mu, &drift);
   }
-  if (reaches_over_reanchoring(s->mapping)) {
+  if (reaches_over_reanchoring(*mapping)) {
     close_reanchoring(
         &drift);  // a motion is fitted to parts of a map only where observations tie them
   }
@@ -31,94 +34,102 @@ void take_motion_of_map(const RigidModel& model, Component::State* s) {
 
 /// The map and, where one came out, the motion take the result over. A loop whose adjustment came
 /// to nothing is still to be closed.
-MapCorrection take_over(Component::State* s) {
-  const AdjustmentJob& job = s->jobs.adjustment;
+MapCorrection take_over(MapState* mapping,
+                        MotionEstimate* motion,
+                        JobQueue* jobs,
+                        Counters* counters) {
+  const AdjustmentJob& job = jobs->adjustment;
   // Meanwhile the motion that the poses were bound to may have ended.
   const bool bound = job.as_free_body && job.model.accepted();
-  const bool ended = bound && (job.model_unwanted || s->motion.departures > 0);
+  const bool ended = bound && (job.model_unwanted || motion->departures > 0);
   const bool usable = job.usable && !ended && is_sound(job.snapshot);
   if (ended) {  // all of the map is adjusted anew, its poses free
-    s->mapping.growth.any = true;
-    s->mapping.last_adjustment_of_all = {};
-    ++s->counters.jobs_without_result;
+    mapping->growth.any = true;
+    mapping->last_adjustment_of_all = {};
+    ++counters->jobs_without_result;
   }
-  const MapUpdate update = take_adjusted(job.snapshot, usable, job.closed, &s->mapping);
+  const MapUpdate update = take_adjusted(job.snapshot, usable, job.closed, mapping);
   if (job.closed && !update.applied) {
-    s->mapping.growth.closed = true;
+    mapping->growth.closed = true;
   }
   if (update.applied && job.as_free_body && !job.model_unwanted) {
     if (bound) {
-      take_motion_of_map(transformed(job.model, update.correction.back), s);
-    } else if (job.model.status == ModelStatus::kResidualsTooLarge && s->motion.model.of_map) {
-      refute_model(&s->motion);
+      take_motion_of_map(transformed(job.model, update.correction.back), mapping, motion, jobs);
+    } else if (job.model.status == ModelStatus::kResidualsTooLarge && motion->model.of_map) {
+      refute_model(motion);
     }
   }
   return update.correction;
 }
 
 /// What was seen after the adjusted keyframes moves along.
-void move_since(const MapCorrection& correction, Component::State* s) {
-  correct_reference(correction, &s->mapping);
-  move_seen(correction.moved(s->motion.last_seen.pose_C.pose), &s->motion);
-  if (move_poses_with_map(s->mapping.map, correction.timestamp_ns, &s->motion)) {
-    s->mapping.moved_rad = rotation_angle_rad(correction.before.R_CT, correction.after.R_CT);
+void move_since(const MapCorrection& correction, MapState* mapping, MotionEstimate* motion) {
+  correct_reference(correction, mapping);
+  move_seen(correction.moved(motion->last_seen.pose_C.pose), motion);
+  if (move_poses_with_map(mapping->map, correction.timestamp_ns, motion)) {
+    mapping->moved_rad = rotation_angle_rad(correction.before.R_CT, correction.after.R_CT);
   }
 }
 
 /// So does the keyframe that the map has grown by.
-void move_with_newest(const AdjustmentJob& job, Component::State* s) {
-  const Keyframe& keyframe = s->mapping.map.keyframes[job.keyframe.index()];
+void move_with_newest(const AdjustmentJob& job,
+                      std::uint32_t frame,
+                      MapState* mapping,
+                      MotionEstimate* motion) {
+  const Keyframe& keyframe = mapping->map.keyframes[job.keyframe.index()];
   if (!keyframe.used || keyframe.number != job.keyframe_number) {
     return;
   }
-  if (!follow_keyframe(keyframe, s->clock.frame, &s->mapping)) {
-    move_pose(keyframe, &s->motion);
+  if (!follow_keyframe(keyframe, frame, mapping)) {
+    move_pose(keyframe, motion);
   }
 }
 
 /// The poses so far, measured anew in a map that was adjusted for the first time.
-void restate(Component::State* s) {
+/// @param input  this frame
+void restate(const MapInput& input, MapState* mapping, MotionEstimate* motion, JobQueue* jobs) {
   FixedVector<PoseSample, limits::kKeyframes> poses;
-  const MapInput input = map_input(*s);
-  auto order = keyframes_by_age(s->mapping.map);
+  auto order = keyframes_by_age(mapping->map);
   std::reverse(order.begin(), order.end());
   for (const KeyframeId id : order) {
-    const Keyframe& keyframe = s->mapping.map.keyframes[id.index()];
-    if (!keyframe.used || keyframe.number < s->jobs.adjustment.first_keyframe) {
+    const Keyframe& keyframe = mapping->map.keyframes[id.index()];
+    if (!keyframe.used || keyframe.number < jobs->adjustment.first_keyframe) {
       continue;
     }
-    const bool solved = pose_from_keyframe(keyframe, input, &s->mapping);
-    const AbsolutePose& absolute = s->mapping.localised.absolute;
-    if (keyframe.frame != s->clock.frame && solved) {
+    const bool solved = pose_from_keyframe(keyframe, input, mapping);
+    const AbsolutePose& absolute = mapping->localised.absolute;
+    if (keyframe.frame != input.frame && solved) {
       (void)poses.push_back(turned(keyframe.R_IC,
                                    PoseSample{.timestamp_ns = keyframe.timestamp_ns,
                                               .pose = absolute.pose,
                                               .covariance = absolute.covariance}));
     }
-    s->mapping.pose_valid = keyframe.frame == s->clock.frame && solved;
+    mapping->pose_valid = keyframe.frame == input.frame && solved;
   }
-  if (!s->mapping.pose_valid) {
-    s->mapping.localised.matches.clear();  // they are of an earlier frame
+  if (!mapping->pose_valid) {
+    mapping->localised.matches.clear();  // they are of an earlier frame
   }
-  restate_poses(poses.view(), &s->motion);
-  invalidate_fits(&s->jobs);
+  restate_poses(poses.view(), motion);
+  invalidate_fits(jobs);
 }
 
 /// The map as adjusted just now is copied for a test of the camera, each time that there have
 /// been twice as many keyframes. It is never urgent, and never done within a step.
-void prepare_test(Component::State* s) {
+void prepare_test(const Configuration& configuration,
+                  bool memory_short,
+                  CameraState* camera,
+                  JobQueue* jobs) {
   constexpr std::uint32_t kKeyframesMin = 6;  // fewer hold a map of any depth
-  AdjustmentJob& job = s->jobs.adjustment;
+  AdjustmentJob& job = jobs->adjustment;
   const std::uint32_t next = job.snapshot.next_keyframe_number;
-  const bool due = next >= std::max(kKeyframesMin, 2 * s->camera.next_keyframe);
-  if (due && job.of_all && job.usable && !is_out_with<CameraJob>(s->jobs.shape) &&
-      s->steps_to_shed == 0 && has_work_beside(s->configuration.parameters.jobs) &&
-      is_sound(job.snapshot)) {
+  const bool due = next >= std::max(kKeyframesMin, 2 * camera->next_keyframe);
+  if (due && job.of_all && job.usable && !is_out_with<CameraJob>(jobs->shape) && !memory_short &&
+      has_work_beside(configuration.parameters.jobs) && is_sound(job.snapshot)) {
     const MapMotions motions = motions_of(job.snapshot);
-    prepare_camera_test(camera_problem_of(motions, s->configuration.camera, &job.snapshot),
-                        &s->jobs.camera);
-    s->camera.next_keyframe = next;
-    s->camera.waits = true;
+    prepare_camera_test(camera_problem_of(motions, configuration.camera, &job.snapshot),
+                        &jobs->camera);
+    camera->next_keyframe = next;
+    camera->waits = true;
   }
 }
 
@@ -137,8 +148,9 @@ AdjustmentView adjustment_view(const Component::State& s) {
 void take_adjustment(Component::State* s) {
   const AdjustmentJob& job = s->jobs.adjustment;
   const CameraModel& camera = s->configuration.camera;
-  move_since(take_over(s), s);
-  prepare_test(s);
+  const MapCorrection correction = take_over(&s->mapping, &s->motion, &s->jobs, &s->counters);
+  move_since(correction, &s->mapping, &s->motion);
+  prepare_test(s->configuration, s->steps_to_shed > 0, &s->camera, &s->jobs);
   if (!s->mapping.growth.closed) {
     // This would untie a loop that is still to be closed: its ends are sigmas apart.
     cull_misfits(camera, &s->mapping);
@@ -151,10 +163,10 @@ void take_adjustment(Component::State* s) {
           AdjustmentReason::kMapCompleted, adjustment_view(*s), &s->mapping, &s->jobs);
       break;
     case AdjustmentReason::kMapCompleted:
-      restate(s);
+      restate(map_input(*s), &s->mapping, &s->motion, &s->jobs);
       break;
     case AdjustmentReason::kMapGrown:
-      move_with_newest(job, s);
+      move_with_newest(job, s->clock.frame, &s->mapping, &s->motion);
       break;
   }
   ask_for_adjustment_after_growth(adjustment_view(*s), &s->mapping, &s->jobs);
@@ -165,7 +177,7 @@ void adjust_all(int iterations_max, Component::State* s) {
   prepare_adjustment_of_all(adjustment_view(*s), &s->mapping, &s->jobs.adjustment);
   set_rounds(iterations_max, s->configuration.parameters.map, &job);
   run_adjustment(&job);
-  (void)take_over(s);
+  (void)take_over(&s->mapping, &s->motion, &s->jobs, &s->counters);
 }
 
 }  // namespace polhode

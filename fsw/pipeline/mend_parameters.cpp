@@ -124,7 +124,8 @@ Mended mend_parameters(Configuration* configuration) {
   }
   POLHODE_ASSERT(camera_is_known(c), c.camera.fu_px);
   const std::uint32_t taken = take_defaults(&c);
-  POLHODE_ASSERT(!check(c.parameters) && !needs_more_memory(c.parameters, c), taken);
+  const bool is_allowed = !check(c.parameters) && !needs_more_memory(c.parameters, c);
+  POLHODE_ASSERT(is_allowed, taken);
   c.table_crc = table_crc(c.parameters);
   return {.entries = taken, .reset = true};
 }

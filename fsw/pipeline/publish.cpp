@@ -22,49 +22,14 @@ std::uint16_t inliers(const LandmarkMatches& matches) {
 /// @param q_last  quaternion published last; becomes this one.
 void fill_pose_in_unit(const Pose& pose_mu,
                        PoseCovariance covariance,
-                       const CameraError& camera,
-                       const bus::LengthUnit& unit,
+                       const PublishedErrors& errors,
                        std::array<double, 4>* q_last,
                        MotionState* m) {
+  const bus::LengthUnit& unit = errors.unit;
   const Pose pose = scaled(pose_mu, unit.metres_per_mu);
   covariance = scaled(covariance, unit.metres_per_mu);
-  widen(camera, pose.p_CT.norm(), &covariance);
+  widen(errors.camera, pose.p_CT.norm(), &covariance);
   fill_pose(pose, covariance + by_scale(pose, unit.relative_sigma), q_last, m);
-}
-
-/// Pose and rates, with what the map's drift, a doubt, the scale and a contradicted camera add to
-/// their errors. No rates where the turns contradict the times.
-/// @param q_last  quaternion published last; becomes this one.
-void fill_motion(const MapState& mapping,
-                 const MotionEstimate& motion,
-                 const MotionOptions& options,
-                 const StampDoubt& stamps,
-                 const CameraError& camera,
-                 const bus::LengthUnit& unit,
-                 std::array<double, 4>* q_last,
-                 MotionState* m) {
-  const AbsolutePose& found = mapping.localised.absolute;
-  fill_pose_in_unit(found.pose,
-                    found.covariance + covariance(mapping.drift) + mapping.doubted,
-                    camera,
-                    unit,
-                    q_last,
-                    m);
-  const Result<RateEstimate> rates = rates_now(motion, mapping.drift, options);
-  if (rates && !stamps.contradicted) {
-    fill_rates(rates.value(), unit.metres_per_mu, unit.relative_sigma, m);
-  }
-}
-
-/// A predicted pose, with what scale and camera add to its error; no rates.
-void fill_coasted(const std::optional<PosePrediction>& coasted,
-                  const CameraError& camera,
-                  const bus::LengthUnit& unit,
-                  std::array<double, 4>* q_last,
-                  MotionState* m) {
-  if (coasted) {
-    fill_pose_in_unit(coasted->pose, coasted->covariance, camera, unit, q_last, m);
-  }
 }
 
 /// From where a match was at the frame's time to where its row saw it.
@@ -111,38 +76,43 @@ void list_observations(const MapState& mapping,
   }
 }
 
+/// Pose and rates have what the map's drift, a doubt, the scale and a contradicted camera add to
+/// their errors. No rates where the turns contradict the times, and none of a predicted pose.
 MotionState motion_state(std::int64_t timestamp_ns,
                          const StampDoubt& stamps,
-                         const bus::LengthUnit& unit,
-                         const CameraError& camera,
-                         Component::State* s) {
-  const MapState& mapping = s->mapping;
+                         const PublishedErrors& errors,
+                         const Component::State& s) {
+  const MapState& mapping = s.mapping;
+  const bus::LengthUnit& unit = errors.unit;
   const LandmarkMatches& matches = mapping.localised.matches;
   MotionState m;
-  m.frame = s->clock.frame;
+  m.frame = s.clock.frame;
   m.timestamp_ns = timestamp_ns;
-  m.mode = s->mode.now;
-  m.scale_known = s->scale.known;
+  m.mode = s.mode.now;
+  m.scale_known = s.scale.known;
   m.scale_number = unit.number;
   m.metres_per_mu = unit.metres_per_mu;
   m.target_frame = mapping.target_frame;
-  m.features = bus::clipped(std::max(s->features.features.size(), matches.size()));
+  m.features = bus::clipped(std::max(s.features.features.size(), matches.size()));
   m.matches = bus::clipped(matches.size());
   m.inliers = inliers(matches);
   m.landmarks = bus::clipped(static_cast<std::size_t>(mapping.map.landmark_count));
   m.keyframes = bus::clipped(static_cast<std::size_t>(mapping.map.keyframe_count));
+  std::array<double, 4> q_last = s.bus.q_CT_last;
   if (mapping.pose_valid) {
     m.doubted = !mapping.doubted.isZero(0.0);
-    fill_motion(mapping,
-                s->motion,
-                s->configuration.parameters.motion,
-                stamps,
-                camera,
-                unit,
-                &s->bus.q_CT_last,
-                &m);
+    const AbsolutePose& found = mapping.localised.absolute;
+    const PoseCovariance in_all = found.covariance + covariance(mapping.drift) + mapping.doubted;
+    fill_pose_in_unit(found.pose, in_all, errors, &q_last, &m);
+    const Result<RateEstimate> rates =
+        rates_now(s.motion, mapping.drift, s.configuration.parameters.motion);
+    if (rates && !stamps.contradicted) {
+      fill_rates(rates.value(), unit.metres_per_mu, unit.relative_sigma, &m);
+    }
   } else if (m.mode == Mode::kCoasting) {
-    fill_coasted(coasted_pose(timestamp_ns, *s), camera, unit, &s->bus.q_CT_last, &m);
+    if (const auto coasted = coasted_pose(timestamp_ns, s)) {
+      fill_pose_in_unit(coasted->pose, coasted->covariance, errors, &q_last, &m);
+    }
   }
   return m;
 }
@@ -157,8 +127,7 @@ bus::TableStatus table_status(const Configuration& c) {
 
 bus::View bus_view(FrameUse use,
                    const StampDoubt& stamps,
-                   const bus::LengthUnit& unit,
-                   const CameraError& camera,
+                   const PublishedErrors& errors,
                    const Component::State& s) {
   const Configuration& c = s.configuration;
   return {.use = use,
@@ -171,8 +140,8 @@ bus::View bus_view(FrameUse use,
           .stamps = stamps,
           .shape = &s.shape,
           .scale = &s.scale,
-          .camera = {.stated = &c.camera, .found = &s.camera.found, .error = camera},
-          .unit = unit,
+          .camera = {.stated = &c.camera, .found = &s.camera.found, .error = errors.camera},
+          .unit = errors.unit,
           .has_map = s.mapping.map.landmark_count > 0,
           .held = s.mode.held,
           .table = table_status(c),
@@ -185,16 +154,19 @@ bus::View bus_view(FrameUse use,
 
 void publish(FrameUse use, std::int64_t timestamp_ns, Component::State* s) {
   change_unit(lengths_unit(*s), &s->bus.scale);
-  const auto [camera, unit] = published_errors(*s);
+  const PublishedErrors errors = published_errors(*s);
   const StampDoubt stamps =
       s->mapping.pose_valid ? doubt_of_stamps(s->motion.recent.view()) : StampDoubt{};
   StepOutput& output = s->answer.output;
   output.use = use;
   output.verdict = s->picture.verdict;
-  output.motion = motion_state(timestamp_ns, stamps, unit, camera, s);
+  output.motion = motion_state(timestamp_ns, stamps, errors, *s);
+  if (output.motion.pose_valid) {
+    s->bus.q_CT_last = output.motion.q_CT;
+  }
   list_observations(s->mapping, s->features.features, s->configuration.camera, &s->answer);
   output.observations = s->answer.observations.view();
-  const bus::View view = bus_view(use, stamps, unit, camera, *s);
+  const bus::View view = bus_view(use, stamps, errors, *s);
   bus::publish(view, &s->bus);
   s->shape.is_new = s->shape.is_new && !view.has_map;  // else it has been sent
   output.packets = s->bus.stream.view();

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "base/assert.hpp"
+#include "bus/event_reports.hpp"
 #include "pipeline/begin.hpp"
 #include "pipeline/counting.hpp"
 #include "pipeline/map_update.hpp"
@@ -15,44 +16,33 @@ namespace {
 // A start is followed by two adjustments, each of which ends before the next begins.
 constexpr int kJobsInARowMax = 4;
 
-void take_fit_result(bool skipped, Component::State* s) {
-  const FitJob& job = s->jobs.fit_work;
-  if (!skipped) {
-    take_fit(job.model,
-             job.snapshot.poses.back().timestamp_ns,
-             job.poses_new,
-             s->mapping.drift,
-             &s->motion);
+void take_fit_result(const FitJob& job, const MapDrift& drift, MotionEstimate* motion) {
+  take_fit(job.model, job.snapshot.poses.back().timestamp_ns, job.poses_new, drift, motion);
+}
+
+void take_shape_result(const ShapeJob& work,
+                       ShapeState* shape,
+                       Counters* counters,
+                       bus::EventLog* events) {
+  ++counters->shapes;
+  if (take_shape(work, shape->frame_asked, shape)) {
+    bus::event::shape_known({.points = static_cast<std::uint32_t>(work.outcome->cloud_points),
+                             .planes = static_cast<std::uint32_t>(work.outcome->planes.size())},
+                            events);
   }
 }
 
-void take_shape_result(const Job& job, Component::State* s) {
-  const ShapeJob& work = s->jobs.shape_work;
-  if (job.skipped) {
-    ask_shape_again(&s->shape);
-  }
-  if (!work.outcome) {
-    return;
-  }
-  ++s->counters.shapes;
-  if (take_shape(work, s->shape.frame_asked, &s->shape)) {
-    bus::report(bus::EventId::kShapeKnown,
-                {.values = {static_cast<double>(work.outcome->cloud_points),
-                            static_cast<double>(work.outcome->planes.size())}},
-                &s->bus.events);
-  }
+/// Lengths that a shape has are known in metres by its options.
+void read_scale_of_shape(const Shape& shape,
+                         const ScaleOptions& options,
+                         const MapDrift& drift,
+                         ScaleState* scale,
+                         Counters* counters) {
   // A rectangle ends where its points do, and what was seen from one aspect is bent: only a body
   // that was seen over a quarter turn has known lengths.
   constexpr double kAcross_rad = 1.57;
-  if ((work.outcome->box || work.outcome->cylinder) && s->mapping.drift.turn_rad > kAcross_rad) {
-    const ScaleOptions& options = s->configuration.parameters.scale;
-    count(read_scale_of(*work.outcome, options, &s->scale), &s->counters);
-  }
-}
-
-void take_camera_result(bool skipped, Component::State* s) {
-  if (!skipped) {
-    take_camera_test(s->jobs.camera.fit, &s->camera);
+  if ((shape.box || shape.cylinder) && drift.turn_rad > kAcross_rad) {
+    count(read_scale_of(shape, options, scale), counters);
   }
 }
 
@@ -73,11 +63,19 @@ void take_result(Job* job, Component::State* s) {
   } else if (std::holds_alternative<AdjustmentJob*>(work)) {
     take_adjustment(s);
   } else if (std::holds_alternative<FitJob*>(work)) {
-    take_fit_result(job->skipped, s);
+    if (!job->skipped) {
+      take_fit_result(s->jobs.fit_work, s->mapping.drift, &s->motion);
+    }
   } else if (std::holds_alternative<CameraJob*>(work)) {
-    take_camera_result(job->skipped, s);
-  } else {
-    take_shape_result(*job, s);
+    if (!job->skipped) {
+      take_camera_test(s->jobs.camera.fit, &s->camera);
+    }
+  } else if (job->skipped) {
+    ask_shape_again(&s->shape);
+  } else if (const ShapeJob& shape = s->jobs.shape_work; shape.outcome) {
+    take_shape_result(shape, &s->shape, &s->counters, &s->bus.events);
+    const ScaleOptions& options = s->configuration.parameters.scale;
+    read_scale_of_shape(*shape.outcome, options, s->mapping.drift, &s->scale, &s->counters);
   }
   stage_done(Stage::kJobs, s->timer);
 }

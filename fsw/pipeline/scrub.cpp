@@ -1,6 +1,7 @@
 #include "pipeline/scrub.hpp"
 
 #include "base/sound.hpp"
+#include "bus/event_reports.hpp"
 #include "bus/mend.hpp"
 #include "map/mend.hpp"
 #include "map/soundness.hpp"
@@ -14,103 +15,109 @@
 namespace polhode {
 namespace {
 
-void tell(std::string_view table, const Mended& mended, Component::State* s) {
-  ++s->bus.tables_damaged;
-  bus::report(
-      bus::EventId::kTableDamaged,
-      {.values = {static_cast<double>(mended.entries), mended.reset ? 1.0 : 0.0}, .word = table},
-      &s->bus.events);
+void report_damage(std::string_view table, const Mended& mended, BusState* bus) {
+  ++bus->tables_damaged;
+  bus::event::table_damaged({.table = table,
+                             .entries = static_cast<std::uint32_t>(mended.entries),
+                             .reset = mended.reset},
+                            &bus->events);
 }
 
-void scrub_configuration(Component::State* s) {
-  Configuration& c = s->configuration;
-  const Mended mended = mend_parameters(&c);
-  if (mended.reset) {
-    reset_target(s);
-  }
+/// @return whether the target is to be reset.
+bool scrub_configuration(Configuration* c, BusState* bus) {
+  const Mended mended = mend_parameters(c);
   if (mended.any()) {
-    tell("parameter table", mended, s);
+    report_damage("parameter table", mended, bus);
   }
-  c.spare = c.parameters;
-  c.camera = to_model(c.parameters.camera);
+  c->spare = c->parameters;
+  c->camera = to_model(c->parameters.camera);
+  return mended.reset;
 }
 
-void scrub_mode(Component::State* s) {
-  const bool known = sound::is_enum(s->mode.now, kLastMode);
-  const bool held = sound::mend(&s->mode.held);
-  const bool mended = sound::mend(&s->clock.time_known) || held;
+/// @return whether the target is to be reset.
+bool scrub_mode(FrameClock* clock, ModeState* mode, BusState* bus) {
+  const bool known = sound::is_enum(mode->now, kLastMode);
+  const bool held = sound::mend(&mode->held);
+  const bool mended = sound::mend(&clock->time_known) || held;
   if (!known) {
-    s->mode.now = Mode::kIdle;
-    reset_target(s);
+    mode->now = Mode::kIdle;
   }
   if (mended || !known) {
-    tell("mode", {.entries = 1, .reset = !known}, s);
+    report_damage("mode", {.entries = 1, .reset = !known}, bus);
   }
+  return !known;
 }
 
-/// The map, with the drift, which nothing else tells; the motion, which rests on both.
-void scrub_map(Component::State* s) {
-  MapState& mapping = s->mapping;
-  const std::int64_t now_ns = s->clock.timestamp_ns;
-  Mended map = mend(s->configuration.camera, now_ns, &mapping.map);
-  if (!is_sound(mapping.drift)) {
+/// The map, with the drift, which nothing else tells.
+/// @return whether the target is to be reset.
+bool scrub_map(const CameraModel& camera, std::int64_t now_ns, MapState* mapping, BusState* bus) {
+  Mended map = mend(camera, now_ns, &mapping->map);
+  if (!is_sound(mapping->drift)) {
     map = {.entries = map.entries + 1, .reset = true};
   }
-  if (map.reset) {
-    reset_target(s);
-  }
   if (map.any()) {
-    drop_reference(&mapping);  // it may follow landmarks that have gone
-    tell("map", map, s);
+    drop_reference(mapping);  // it may follow landmarks that have gone
+    report_damage("map", map, bus);
   }
-  if (!is_sound(mapping.reference, mapping.map)) {
-    mapping.reference.valid = false;
-    mapping.reference.gray_to_come = false;
-    mapping.reference.pose = {};
-    mapping.reference.points.clear();
-    tell("flow reference", {.entries = 1, .reset = true}, s);
+  return map.reset;
+}
+
+/// What rests on the map: the reference of optical flow, and the motion.
+void scrub_motion(
+    std::int64_t now_ns, MapState* mapping, MotionEstimate* motion, JobQueue* jobs, BusState* bus) {
+  if (!is_sound(mapping->reference, mapping->map)) {
+    mapping->reference.valid = false;
+    mapping->reference.gray_to_come = false;
+    mapping->reference.pose = {};
+    mapping->reference.points.clear();
+    report_damage("flow reference", {.entries = 1, .reset = true}, bus);
   }
-  const Mended motion = mend(now_ns, &s->motion);
-  if (motion.any()) {
-    invalidate_fits(&s->jobs);
-    tell("motion", motion, s);
+  const Mended mended = mend(now_ns, motion);
+  if (mended.any()) {
+    invalidate_fits(jobs);
+    report_damage("motion", mended, bus);
   }
 }
 
-void scrub_rest(Component::State* s) {
-  if (!is_sound(s->initialisation)) {
-    clear(&s->initialisation);
-    invalidate_start(&s->jobs);
-    tell("tracks", {.reset = true}, s);
+void scrub_tracks(InitialisationState* initialisation, JobQueue* jobs, BusState* bus) {
+  if (!is_sound(*initialisation)) {
+    clear(initialisation);
+    invalidate_start(jobs);
+    report_damage("tracks", {.reset = true}, bus);
   }
-  if (!is_sound(s->features.resting)) {
-    s->features.resting.places.clear();
-    tell("resting places", {.reset = true}, s);
-  }
-  if (!is_sound(s->shape)) {
-    s->shape = {};
-    tell("shape", {.reset = true}, s);
-  }
-  if (!is_sound(s->scale)) {
-    s->scale = {};
-    tell("scale", {.reset = true}, s);
-  }
-  if (!is_sound(s->camera)) {
-    s->camera = {};
-    tell("test of the camera", {.reset = true}, s);
-  }
-  if (const Mended bus = mend(&s->bus); bus.any()) {
-    tell("bus", bus, s);
+}
+
+/// A table that nothing else rests on.
+template <typename Table>
+void scrub_table(std::string_view name, Table* table, BusState* bus) {
+  if (!is_sound(*table)) {
+    *table = {};
+    report_damage(name, {.reset = true}, bus);
   }
 }
 
 }  // namespace
 
 void scrub(Component::State* s) {
-  scrub_configuration(s);
-  scrub_mode(s);
-  scrub_map(s);
-  scrub_rest(s);
+  const auto reset_if = [s](bool damaged) {
+    if (damaged) {
+      reset_target(s);
+    }
+  };
+  BusState* bus = &s->bus;
+  const std::int64_t now_ns = s->clock.timestamp_ns;
+  reset_if(scrub_configuration(&s->configuration, bus));
+  reset_if(scrub_mode(&s->clock, &s->mode, bus));
+  reset_if(scrub_map(s->configuration.camera, now_ns, &s->mapping, bus));
+  scrub_motion(now_ns, &s->mapping, &s->motion, &s->jobs, bus);
+  scrub_tracks(&s->initialisation, &s->jobs, bus);
+  scrub_table("resting places", &s->features.resting, bus);
+  scrub_table("shape", &s->shape, bus);
+  scrub_table("scale", &s->scale, bus);
+  scrub_table("test of the camera", &s->camera, bus);
+  if (const Mended mended = mend(bus); mended.any()) {
+    report_damage("bus", mended, bus);
+  }
 }
 
 }  // namespace polhode

@@ -162,13 +162,13 @@ SmoothedPose MapAtRest::from_log(std::uint32_t frame,
 SmoothedPose MapAtRest::from_image(const Frame& frame) {
   Component::State* s = state_;
   const Configuration& c = s->configuration;
-  forget_frame(s);
+  forget_frame(&s->mapping, &s->picture, &s->features);
   if (bring_picture(frame, c.camera, &s->mapping.reference, &s->picture) != FrameUse::kUsed) {
     return {};
   }
   find_target(s->picture.gray, c.parameters.mask, &s->picture.mask);
   s->features.image_motion = expected_image_motion(frame.timestamp_ns, *s);
-  detect_once(s);
+  detect_once(s->picture, s->configuration, s->steps_to_shed > 0, s->timer, &s->features);
   // A busy background leaves the target too few features to be found among all: the motion knows
   // where it was, as seen by an observer who stands still.
   const auto expected =

@@ -42,34 +42,35 @@ JobTimes job_times(const Component::State& s) {
           .delay_of_all = std::max(window, static_cast<std::uint32_t>(jobs.delay_of_all_frames))};
 }
 
-void forget_frame(Component::State* s) {
-  begin_frame(&s->mapping);
-  s->picture.verdict = {};
-  s->features.ready = false;
-  s->features.image_motion = {};
-  s->features.features.clear();
+void forget_frame(MapState* mapping, PictureState* picture, FeatureState* features) {
+  begin_frame(mapping);
+  picture->verdict = {};
+  features->ready = false;
+  features->image_motion = {};
+  features->features.clear();
 }
 
-void detect_once(Component::State* s) {
-  if (s->features.ready) {
+void detect_once(const PictureState& picture,
+                 const Configuration& configuration,
+                 bool memory_short,
+                 const StageTimer& timer,
+                 FeatureState* state) {
+  if (state->ready) {
     return;
   }
-  FeatureOptions options = s->configuration.parameters.features;
-  if (s->steps_to_shed > 0) {        // half the pixels, and as many features as those give
+  FeatureOptions options = configuration.parameters.features;
+  if (memory_short) {                // half the pixels, and as many features as those give
     constexpr int kCountLeast = 50;  // as a configuration may say
     options.working_pixels_max /= 2;
     options.count_max = std::max(kCountLeast, options.count_max / 2);
   }
-  detect_features(s->picture.gray,
-                  s->picture.mask,
-                  s->configuration.camera,
-                  options,
-                  &s->features.workspace,
-                  &s->features.features);
-  to_frame_time(s->configuration.camera, s->features.image_motion, &s->features.features);
-  leave_out_resting(&s->features.resting, &s->features.features);
-  s->features.ready = true;
-  stage_done(Stage::kFeatures, s->timer);
+  const CameraModel& camera = configuration.camera;
+  Features* features = &state->features;
+  detect_features({&picture.gray, &picture.mask}, camera, options, &state->workspace, features);
+  to_frame_time(camera, state->image_motion, features);
+  leave_out_resting(&state->resting, features);
+  state->ready = true;
+  stage_done(Stage::kFeatures, timer);
 }
 
 }  // namespace polhode

@@ -115,10 +115,14 @@ ScaleInput scale_input(const Component::State& state);
 JobTimes job_times(const Component::State& state);
 
 /// Nothing is left of the last frame's features, matches, pose and verdict.
-void forget_frame(Component::State* state);
+void forget_frame(MapState* mapping, PictureState* picture, FeatureState* features);
 
-/// Detects this frame's features, the first time that it is called in a step. Fewer while memory is
-/// short.
-void detect_once(Component::State* state);
+/// Detects this frame's features, the first time that it is called in a step.
+/// @param memory_short  fewer are detected.
+void detect_once(const PictureState& picture,
+                 const Configuration& configuration,
+                 bool memory_short,
+                 const StageTimer& timer,
+                 FeatureState* features);
 
 }  // namespace polhode

@@ -26,21 +26,21 @@ namespace {
 /// A new frame, without features, matches or a pose yet.
 void begin_step(Component::State* s) {
   s->clock.frame = s->clock.next_frame++;
-  forget_frame(s);
+  forget_frame(&s->mapping, &s->picture, &s->features);
   s->bus.stream.size = 0;
   s->answer.output.checkpoint_asked = false;
 }
 
 /// Memory that was short comes back when less is asked for; after a second or so of frames it is
 /// tried again in full.
-void shed_load(bool memory_short, Component::State* s) {
+void shed_load(bool memory_short, std::uint32_t* steps_to_shed, Counters* counters) {
   constexpr std::uint32_t kSteps = 30;  // 1 to 3 s at 10 to 30 frames/s
   if (memory_short) {
-    s->steps_to_shed = kSteps;
-  } else if (s->steps_to_shed > 0) {
-    --s->steps_to_shed;
+    *steps_to_shed = kSteps;
+  } else if (*steps_to_shed > 0) {
+    --*steps_to_shed;
   }
-  s->counters.steps_short_of_memory += s->steps_to_shed > 0 ? 1 : 0;
+  counters->steps_short_of_memory += *steps_to_shed > 0 ? 1 : 0;
 }
 
 /// The frame's time, then its picture, where they can be used.
@@ -73,17 +73,6 @@ FrameUse take_frame(const Frame& frame, Component::State* s) {
   return use;
 }
 
-void find_target_now(const std::optional<PosePrediction>& predicted, Component::State* s) {
-  const Configuration& c = s->configuration;
-  const bool tracks = has_target(s->mode) && predicted;
-  look_for_target(tracks ? &predicted->pose : nullptr,
-                  s->mapping.map,
-                  c.camera,
-                  c.parameters.mask,
-                  &s->picture);
-  stage_done(Stage::kMask, s->timer);
-}
-
 void locate_target(const std::optional<PosePrediction>& predicted, Component::State* s) {
   prepare_flow(s->picture.gray, &s->mapping);
   if (s->mode.now == Mode::kAcquiring) {
@@ -96,12 +85,11 @@ void locate_target(const std::optional<PosePrediction>& predicted, Component::St
 }
 
 /// Sends off a prepared test of the camera, when no estimate of the shape is out.
-void test_camera(Component::State* s) {
-  if (s->camera.waits && !is_out(s->jobs.shape)) {
-    JobTimes times = job_times(*s);
+void test_camera(JobTimes times, CameraState* camera, JobQueue* jobs) {
+  if (camera->waits && !is_out(jobs->shape)) {
     times.delay = std::max(times.delay, times.delay_of_all);
-    issue_job(&s->jobs.camera, times, &s->jobs.shape, &s->jobs);
-    s->camera.waits = false;
+    issue_job(&jobs->camera, times, &jobs->shape, jobs);
+    camera->waits = false;
   }
 }
 
@@ -130,7 +118,7 @@ void measure_target(Component::State* s) {
     issue_job(&s->jobs.shape_work, job_times(*s), &s->jobs.shape, &s->jobs);
   }
   run_undelayed(&s->jobs.shape, s);
-  test_camera(s);
+  test_camera(job_times(*s), &s->camera, &s->jobs);
   stage_done(Stage::kShape, s->timer);
 }
 
@@ -161,7 +149,7 @@ const StepOutput& Component::step(const StepInput& input) {
   scrub(s);
   execute_commands(input.commands, s);
   ++s->counters.frames_in;
-  shed_load(input.memory_short, s);
+  shed_load(input.memory_short, &s->steps_to_shed, &s->counters);
   take_due_jobs(input.finished, s);
   change_mode(ModeEvent::kFrameComes, &s->mode);
   set_observer(input, s);
@@ -173,7 +161,10 @@ const StepOutput& Component::step(const StepInput& input) {
                         s->configuration.parameters.motion,
                         s->clock.timestamp_ns,
                         s->motion.R_IC);
-    find_target_now(predicted, s);
+    const Configuration& c = s->configuration;
+    const Pose* tracked = has_target(s->mode) && predicted ? &predicted->pose : nullptr;
+    look_for_target(tracked, s->mapping.map, c.camera, c.parameters.mask, &s->picture);
+    stage_done(Stage::kMask, s->timer);
     s->features.image_motion = expected_image_motion(s->clock.timestamp_ns, *s);
     locate_target(predicted, s);
     measure_target(s);

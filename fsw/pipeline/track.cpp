@@ -27,7 +27,7 @@ FoundBy find_pose(const std::optional<ExpectedPose>& expected, Component::State*
   if (followed) {
     return FoundBy::kFlow;
   }
-  detect_once(s);
+  detect_once(s->picture, s->configuration, s->steps_to_shed > 0, s->timer, &s->features);
   const MapInput input = map_input(*s);
   const std::optional<ExpectedPose> from_departed = expected_from_departed(
       s->motion, mapping->drift, s->configuration.parameters.motion, s->clock.timestamp_ns);
@@ -57,10 +57,10 @@ FoundBy find_pose(const std::optional<ExpectedPose>& expected, Component::State*
 }
 
 /// A frame with a pose.
-void accept_pose(Component::State* s) {
-  s->mapping.pose_valid = true;
-  s->counters.relocalised += s->mode.now == Mode::kLost ? 1 : 0;
-  change_mode(ModeEvent::kPoseFound, &s->mode);
+void accept_pose(MapState* mapping, ModeState* mode, Counters* counters) {
+  mapping->pose_valid = true;
+  counters->relocalised += mode->now == Mode::kLost ? 1 : 0;
+  change_mode(ModeEvent::kPoseFound, mode);
 }
 
 /// While a start is sought the map does not grow; while it is being adjusted it does, and the
@@ -90,12 +90,14 @@ void grow(Component::State* s) {
 /// Does the motion so far bear out a pose that was found without it?
 /// @return time of the pose before, where that one turns out to be wrong.
 std::optional<std::int64_t> judge(const std::optional<ExpectedPose>& expected,
-                                  Component::State* s) {
-  MapState* mapping = &s->mapping;
-  const bool repeated = repeats_last({.timestamp_ns = s->clock.timestamp_ns,
+                                  std::int64_t now_ns,
+                                  MapState* mapping,
+                                  MotionEstimate* motion,
+                                  JobQueue* jobs) {
+  const bool repeated = repeats_last({.timestamp_ns = now_ns,
                                       .pose = mapping->localised.absolute.pose,
                                       .covariance = with_clutter(mapping->localised)},
-                                     &s->motion);
+                                     motion);
   if (repeated) {
     mapping->pose_teaches = false;
     if (expected) {
@@ -104,18 +106,18 @@ std::optional<std::int64_t> judge(const std::optional<ExpectedPose>& expected,
     return std::nullopt;
   }
   if (expected ? jumps_by_drift(*expected, *mapping) : comes_back(*mapping)) {
-    pass_over_pose(&s->motion);
+    pass_over_pose(motion);
     return std::nullopt;
   }
-  const PoseJudgement judgement = check_pose(s->clock.timestamp_ns,
+  const PoseJudgement judgement = check_pose(now_ns,
                                              mapping->localised.absolute.pose,
                                              with_clutter(mapping->localised),
                                              mapping->drift,
-                                             &s->motion);
+                                             motion);
   if (judgement.begun_anew) {
-    invalidate_fits(&s->jobs);
+    invalidate_fits(jobs);
   }
-  if (expected && s->motion.departures > 0) {
+  if (expected && motion->departures > 0) {
     doubt_pose(expected->prediction, mapping);
   }
   return judgement.withdrawn_ns;
@@ -140,7 +142,7 @@ void keep_hold(Component::State* s) {
     grow(s);
     renew_reference(s->clock.frame, mapping);
   }
-  accept_pose(s);
+  accept_pose(mapping, &s->mode, &s->counters);
 }
 
 }  // namespace
@@ -174,7 +176,8 @@ void track(const std::optional<PosePrediction>& predicted, Component::State* s) 
   }
   MapState* mapping = &s->mapping;
   const AbsolutePose& found = mapping->localised.absolute;
-  const std::optional<std::int64_t> wrong_ns = judge(expected, s);
+  const std::optional<std::int64_t> wrong_ns =
+      judge(expected, s->clock.timestamp_ns, mapping, &s->motion, &s->jobs);
   const std::optional<PosePrediction> prior = pose_by_joint_model(
       s->motion, s->configuration.parameters.motion, s->clock.timestamp_ns, s->motion.R_IC);
   if (prior) {
@@ -193,7 +196,7 @@ void track(const std::optional<PosePrediction>& predicted, Component::State* s) 
   }
   bool grows = may_teach && may_grow(*s);
   if (grows && found_by == FoundBy::kFlow) {
-    detect_once(s);
+    detect_once(s->picture, s->configuration, s->steps_to_shed > 0, s->timer, &s->features);
     grows = match_features(map_input(*s), prior, mapping);
   }
   if (grows) {
@@ -203,7 +206,7 @@ void track(const std::optional<PosePrediction>& predicted, Component::State* s) 
   } else if (!mapping->reference.valid) {
     renew_reference(s->clock.frame, mapping);
   }
-  accept_pose(s);
+  accept_pose(mapping, &s->mode, &s->counters);
 }
 
 }  // namespace polhode

@@ -174,20 +174,25 @@ bool drop_strays(FeatureMatches* matches, Field* field) {
   return true;
 }
 
-/// The feature of `b` about a place that looks most like `feature`, if it stands out there.
-FeatureMatch find_about(const Feature& feature,
-                        const Eigen::Vector2d& at,
-                        std::span<const Feature> b,
-                        std::span<const std::uint8_t> taken,
-                        double radius_px,
-                        double ratio_max) {
+struct SearchCircle {
+  Eigen::Vector2d at_px;
+  double radius_px = 0.0;
+};
+
+/// The feature of `b` within a circle that looks most like `feature`, if it stands out there.
+FeatureMatch find_within(const SearchCircle& circle,
+                         const Feature& feature,
+                         std::span<const Feature> b,
+                         std::span<const std::uint8_t> taken,
+                         double ratio_max) {
   // Measured by ray-cast depths: beyond it the median error is over 0.7 px, three times a feature's
   // sigma.
   constexpr int kDistance2About = 280 * 280;
   constexpr float kSamePlace_px = 1.0F;  // as in match_mutual()
   NearestFeature best;
   for (std::size_t j = 0; j < b.size(); ++j) {
-    if (taken[j] == 0 && (place_of(b[j]) - at).squaredNorm() <= radius_px * radius_px) {
+    if (taken[j] == 0 &&
+        (place_of(b[j]) - circle.at_px).squaredNorm() <= circle.radius_px * circle.radius_px) {
       const int d2 = distance2(feature.descriptor, b[j].descriptor);
       keep_nearest(static_cast<std::int32_t>(j), d2, b, kSamePlace_px, &best);
     }
@@ -222,12 +227,9 @@ void add_found_about(std::span<const Feature> a,
       continue;
     }
     const Eigen::Vector2d from = place_of(a[i]);
-    FeatureMatch found = find_about(a[i],
-                                    field.affine_at(from) + neighbours_px(field, from, -1),
-                                    b,
-                                    matched_b.view(),
-                                    field.tolerance_px,
-                                    ratio_max);
+    const SearchCircle circle{.at_px = field.affine_at(from) + neighbours_px(field, from, -1),
+                              .radius_px = field.tolerance_px};
+    FeatureMatch found = find_within(circle, a[i], b, matched_b.view(), ratio_max);
     if (found.b < 0) {
       continue;
     }

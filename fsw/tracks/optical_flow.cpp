@@ -3,6 +3,8 @@
 #include <opencv2/video/tracking.hpp>
 
 #include "base/assert.hpp"
+#include "base/fixed_vector.hpp"
+#include "config/limits.hpp"
 
 namespace polhode {
 namespace {
@@ -11,6 +13,8 @@ namespace {
 // than the default of small_motion_max_px.
 constexpr int kLevels = 3;
 constexpr int kPatch_px = 21;
+
+using FlowPoints = FixedVector<cv::Point2f, limits::kPoseMatches>;
 
 cv::TermCriteria stop_rule() {
   // OpenCV's defaults.
@@ -21,19 +25,25 @@ cv::TermCriteria stop_rule() {
 
 void flow(const Pyramid& before,
           const Pyramid& now,
-          const std::vector<cv::Point2f>& from,
-          std::vector<cv::Point2f>* to,
-          std::vector<std::uint8_t>* found) {
-  std::vector<float> error;
+          const FlowPoints& from,
+          FlowPoints* to,
+          FixedVector<std::uint8_t, limits::kPoseMatches>* found) {
+  FixedVector<float, limits::kPoseMatches> error;
+  error.resize(from.size());
+  found->resize(from.size());
+  const auto count = static_cast<int>(from.size());
+  cv::Mat to_px(count, 1, CV_32FC2, to->begin());
+  cv::Mat is_found(count, 1, CV_8UC1, found->begin());
+  cv::Mat error_levels(count, 1, CV_32FC1, error.begin());
   // Least eigenvalue of the patch's gradient matrix, per pixel: below it the patch has no corner.
   // OpenCV's default.
   constexpr double kEigenvalueMin = 1e-4;
   cv::calcOpticalFlowPyrLK(before.levels,
                            now.levels,
-                           from,
-                           *to,
-                           *found,
-                           error,
+                           cv::_InputArray(from.begin(), count),
+                           to_px,
+                           is_found,
+                           error_levels,
                            cv::Size(kPatch_px, kPatch_px),
                            kLevels,
                            stop_rule(),
@@ -56,20 +66,20 @@ void follow_points(const Pyramid& before,
                    std::span<const FlowPoint> from,
                    const TrackOptions& options,
                    std::span<FlowPoint> guess) {
-  POLHODE_ASSERT(from.size() == guess.size(), from.size());
+  POLHODE_ASSERT(from.size() == guess.size() && from.size() <= limits::kPoseMatches, from.size());
   if (from.empty()) {
     return;
   }
-  std::vector<cv::Point2f> start;
-  std::vector<cv::Point2f> end;
+  FlowPoints start;
+  FlowPoints end;
   for (std::size_t i = 0; i < from.size(); ++i) {
-    start.emplace_back(from[i].u_px, from[i].v_px);
-    end.emplace_back(guess[i].u_px, guess[i].v_px);
+    (void)start.push_back({from[i].u_px, from[i].v_px});
+    (void)end.push_back({guess[i].u_px, guess[i].v_px});
   }
-  std::vector<std::uint8_t> found;
+  FixedVector<std::uint8_t, limits::kPoseMatches> found;
   flow(before, now, start, &end, &found);
-  std::vector<cv::Point2f> back = start;
-  std::vector<std::uint8_t> found_back;
+  FlowPoints back = start;
+  FixedVector<std::uint8_t, limits::kPoseMatches> found_back;
   flow(now, before, end, &back, &found_back);
   const double limit2 = options.forward_backward_max_px * options.forward_backward_max_px;
   for (std::size_t i = 0; i < from.size(); ++i) {

@@ -207,22 +207,17 @@ void drop_resting_tracks(TrackTable* table, RestingPlaces* resting) {
       table);
 }
 
-void add_frame(std::uint32_t frame,
-               std::int64_t timestamp_ns,
-               const Eigen::Matrix3d& R_IC,
-               const Features& features,
-               double ratio_max,
-               TrackTable* table) {
+void add_frame(const CollectibleFrame& frame, double ratio_max, TrackTable* table) {
   if (table->frames.full()) {
     drop_oldest_frame(table);
   }
   const std::size_t latest = table->frames.size();
   table->frames.resize(latest + 1);
   CollectedFrame& collected = table->frames[latest];
-  collected.frame = frame;
-  collected.timestamp_ns = timestamp_ns;
-  collected.R_IC = R_IC;
-  collected.features = features;
+  collected.frame = frame.frame;
+  collected.timestamp_ns = frame.timestamp_ns;
+  collected.R_IC = frame.R_IC;
+  collected.features = *frame.features;
   table->track_of[latest].fill(-1);
   bool may_make_room = true;
   for (std::size_t back = 1; back <= std::min(kLookBack, latest); ++back) {

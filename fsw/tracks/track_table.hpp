@@ -47,15 +47,18 @@ inline const Feature& feature_of(const TrackPoint& point, const TrackTable& tabl
       .features[static_cast<std::size_t>(point.feature)];
 }
 
+/// A frame whose features are on the target.
+struct CollectibleFrame {
+  std::uint32_t frame = 0;
+  std::int64_t timestamp_ns = 0;
+  Eigen::Matrix3d R_IC = Eigen::Matrix3d::Identity();  ///< the observer's attitude
+  const Features* features = nullptr;
+};
+
 /// Appends a frame (its features are copied). Associates its features with the tracks of the last
 /// six frames by mutual best descriptors, nearest frame first. A full table drops its oldest
 /// frame.
-void add_frame(std::uint32_t frame,
-               std::int64_t timestamp_ns,
-               const Eigen::Matrix3d& R_IC,
-               const Features& features,
-               double ratio_max,
-               TrackTable* table);
+void add_frame(const CollectibleFrame& frame, double ratio_max, TrackTable* table);
 
 /// Drops frame 0 and the tracks that have no other frame.
 void drop_oldest_frame(TrackTable* table);

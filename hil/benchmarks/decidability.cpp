@@ -89,10 +89,10 @@ Decidability decide_by_truth(const StartProblem& problem,
     return out;
   }
   const StartOptions options;  // no refinement asks for them
-  Selection selection{.problem = problem, .options = options, .w = *workspace};
+  Selection selection{.problem = problem, .options = options};
   // The poses are true; a track's place rests on its noisy images, and settles with them.
   StartHypothesis settled = truth;
-  (void)refine_to_minimum(selection, set.observations.view(), &settled);
+  (void)refine_to_minimum(selection, set.observations.view(), &workspace->adjustment, &settled);
   out.noise = settled.fit.noise_scale;
   selection.sigma_scale = std::clamp(out.noise, 1.0, kNoiseScaleMax);
   const StartAdjustmentOptions loss = selection_loss(selection, 0);
@@ -108,7 +108,7 @@ Decidability decide_by_truth(const StartProblem& problem,
     return out;
   }
   const double truth_cost = evaluate_start(images, truth.view(), loss, &workspace->adjustment).cost;
-  (void)refine_to_minimum(selection, images, &reversed);
+  (void)refine_to_minimum(selection, images, &workspace->adjustment, &reversed);
   out.margin = reversed.fit.cost - truth_cost;
   out.known = true;
   return out;

@@ -80,7 +80,7 @@ Outcome run(const TrueFrames& frames, double start, bool controlled) {
     const cv::Mat gray = expose(frames.gray[i], exposure.exposure_s / kUnit_s);
     TargetMask mask;
     find_target(gray, options, &mask);
-    detect_features(gray, mask, frames.camera, {}, workspace.get(), now.get());
+    detect_features({&gray, &mask}, frames.camera, {}, workspace.get(), now.get());
     const LevelCounts levels = target_levels(gray, options, mask);
     outcome.saturated += saturated_part(levels);
     outcome.features += static_cast<double>(now->size());

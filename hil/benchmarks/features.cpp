@@ -46,7 +46,7 @@ void detect_own(const cv::Mat& gray,
                 const FeatureOptions& options,
                 Features* features) {
   static const auto workspace = std::make_unique<FeatureWorkspace>();
-  detect_features(gray, mask, camera, options, workspace.get(), features);
+  detect_features({&gray, &mask}, camera, options, workspace.get(), features);
 }
 
 Outcome run(const TrueFrames& frames, Detect detect) {

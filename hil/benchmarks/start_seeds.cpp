@@ -82,7 +82,7 @@ int main(int argc, char** argv) {
       const StartOutcome out =
           select_hypothesis({.times_s = s.motion.times_s, .tracks = tracks, .seed = seed},
                             StartOptions{},
-                            *workspace);
+                            workspace.get());
       const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
       tally.seconds += seconds;
       tally.seconds_max = std::max(tally.seconds_max, seconds);

@@ -89,7 +89,7 @@ void check_ranges(std::span<const std::uint8_t> octets, int apid_first) {
   bus::Command command;
   const bus::Refusal refusal = bus::read_command(octets, apid_first, &command);
   if (refusal.reason == bus::Rejection::kRange) {
-    refuse_argument(*command.layout, octets, refusal.details.word);
+    refuse_argument(*command.layout, octets, refusal.why);
   }
   const bool loads =
       refusal.reason == bus::Rejection::kNone && command.code == bus::CommandCode::kTableLoad;

@@ -282,7 +282,7 @@ CameraReport finish_replay(Component& component,
       motion_is_of_map(component) ? model_of_map(samples, found.body, view) : std::nullopt;
   const RigidModel model = of_map ? *of_map : model_of(samples, radius, view);
   write_smoothed(
-      smoothed_motion(poses, samples, log.published, model, log.servicer, view), log, folder);
+      smoothed_motion({poses, samples, log.published}, model, log.servicer, view), log, folder);
   write_model_json(
       folder / "motion_model.json",
       {.samples = samples,

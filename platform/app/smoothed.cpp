@@ -281,12 +281,11 @@ std::optional<RigidModel> model_of_map(std::span<const PoseSample> samples,
   return model;
 }
 
-std::vector<MotionState> smoothed_motion(const std::vector<SmoothedPose>& poses,
-                                         const std::vector<PoseSample>& samples,
-                                         std::span<const MotionState> published,
+std::vector<MotionState> smoothed_motion(const RunPoses& run_poses,
                                          const RigidModel& model,
                                          const ServicerAttitude& servicer,
                                          const GroundView& view) {
+  const auto& [poses, samples, published] = run_poses;
   std::vector<MotionState> smoothed;
   std::array<double, 4> q_last{1.0, 0.0, 0.0, 0.0};
   std::size_t next = 0;

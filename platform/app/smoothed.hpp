@@ -50,11 +50,16 @@ std::optional<RigidModel> model_of_map(std::span<const PoseSample> samples,
                                        const BodyFrame& body,
                                        const GroundView& view);
 
+/// What the rows of a run are made of.
+struct RunPoses {
+  const std::vector<SmoothedPose>& poses;    ///< one a frame
+  const std::vector<PoseSample>& samples;    ///< the valid ones, by samples_in_body()
+  std::span<const MotionState> published{};  ///< one a frame
+};
+
 /// One row a frame. Where the model is accepted, pose and rates are the model's, in frames without
 /// a measured pose too; elsewhere the measured pose and a local fit. Empty where there is neither.
-std::vector<MotionState> smoothed_motion(const std::vector<SmoothedPose>& poses,
-                                         const std::vector<PoseSample>& samples,
-                                         std::span<const MotionState> published,
+std::vector<MotionState> smoothed_motion(const RunPoses& run_poses,
                                          const RigidModel& model,
                                          const ServicerAttitude& servicer,
                                          const GroundView& view);

@@ -36,16 +36,22 @@ std::string text_of(Number value) {
   return {text.data(), std::to_chars(text.begin(), text.end(), value).ptr};
 }
 
+/// Of a value.
+struct Place {
+  polhode_parameters* parameters = nullptr;
+  const char* key = nullptr;
+  std::size_t index = 0;
+};
+
 /// @param bits  of a binary64 where the row is one, else a two's complement whole number
 template <typename Number>
-polhode_status set_bits(polhode_parameters* parameters,
-                        const char* key,
-                        std::size_t index,
+polhode_status set_bits(const Place& place,
                         std::uint64_t (*bits_for)(const ParameterRow&, Number, bool*),
                         Number value,
                         char* problem,
                         std::size_t problem_octets) {
   return guarded([&] {
+    const auto& [parameters, key, index] = place;
     if (parameters == nullptr || key == nullptr) {
       tell("parameters or key: null", problem, problem_octets);
       return polhode_status{POLHODE_BAD_ARGUMENT};
@@ -126,7 +132,7 @@ polhode_status polhode_set_real(polhode_parameters* parameters,
                                 double value,
                                 char* problem,
                                 size_t problem_octets) {
-  return set_bits(parameters, key, index, &bits_of_real, value, problem, problem_octets);
+  return set_bits({parameters, key, index}, &bits_of_real, value, problem, problem_octets);
 }
 
 polhode_status polhode_set_whole(polhode_parameters* parameters,
@@ -135,7 +141,7 @@ polhode_status polhode_set_whole(polhode_parameters* parameters,
                                  int64_t value,
                                  char* problem,
                                  size_t problem_octets) {
-  return set_bits(parameters, key, index, &bits_of_whole, value, problem, problem_octets);
+  return set_bits({parameters, key, index}, &bits_of_whole, value, problem, problem_octets);
 }
 
 polhode_status polhode_check(const polhode_parameters* parameters,

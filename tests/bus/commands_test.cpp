@@ -85,7 +85,7 @@ TEST(Command, OfAnUnknownCodeIsRefused_AndNamed) {
     const Refusal refusal =
         read_command(command(static_cast<CommandCode>(code)), kApidFirst, &read);
     EXPECT_EQ(refusal.reason, Rejection::kUnknownCode);
-    EXPECT_EQ(refusal.details.values[0], code);
+    EXPECT_EQ(refusal.code, code);
   }
 }
 
@@ -95,7 +95,7 @@ TEST(Command, WithAnArgumentOutOfRangeIsRefused_AndTheArgumentNamed) {
     Command read;
     const Refusal refusal = read_command(octets, kApidFirst, &read);
     EXPECT_EQ(refusal.reason, Rejection::kRange);
-    return std::string(refusal.details.word);
+    return std::string(refusal.why);
   };
   const double nan = std::nan("");
   for (const double bad : {0.0, -1.0, 1e9, nan, std::numeric_limits<double>::infinity()}) {

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "bus/event_reports.hpp"
+
 namespace polhode::bus::events_test {
 namespace {
 
@@ -53,8 +55,9 @@ TEST(EventTable, HasIdsThatDiffer_AndTextsThatFit) {
 
 TEST(EventText, PutsNumbersAndTheWordWhereTheTableSays) {
   EventLog log;
-  report(EventId::kCommandRange, {.values = {5.0, 0.0}, .word = "length_m"}, &log);
-  report(EventId::kScaleKnown, {.values = {0.123456789, 1e-3}, .word = "number 2"}, &log);
+  event::command_range({.command = CommandCode::kSetKnownLength, .argument = "length_m"}, &log);
+  event::scale_known({.metres_per_mu = 0.123456789, .relative_sigma = 1e-3, .number = "number 2"},
+                     &log);
   const auto packets = sent_at(3, &log);
   ASSERT_EQ(packets.size(), 2U);
   EXPECT_EQ(text_of(packets[0]), "command 5 refused: length_m out of range");
@@ -68,8 +71,8 @@ TEST(EventText, PutsNumbersAndTheWordWhereTheTableSays) {
 TEST(EventText, IsCutWhereItIsFull_AndHasNoControlCharacters) {
   EventLog log;
   const std::string longest(300, 'x');
-  report(EventId::kCommandState, {.word = longest}, &log);
-  report(EventId::kCommandState, {.word = "line\nbreak"}, &log);
+  event::command_state({.command = CommandCode::kHold, .reason = longest}, &log);
+  event::command_state({.command = CommandCode::kHold, .reason = "line\nbreak"}, &log);
   const auto packets = sent_at(0, &log);
   EXPECT_EQ(packets[0].text_octets, 122);
   EXPECT_EQ(text_of(packets[1]).find('\n'), std::string::npos);
@@ -77,9 +80,10 @@ TEST(EventText, IsCutWhereItIsFull_AndHasNoControlCharacters) {
 
 TEST(EventText, NeverCarriesANumberThatIsNotFinite) {
   EventLog log;
-  report(EventId::kScaleKnown,
-         {.values = {std::nan(""), std::numeric_limits<double>::infinity()}},
-         &log);
+  event::scale_known({.metres_per_mu = std::nan(""),
+                      .relative_sigma = std::numeric_limits<double>::infinity(),
+                      .number = ""},
+                     &log);
   const auto packets = sent_at(0, &log);
   EXPECT_EQ(packets[0].value, (std::array<double, 2>{}));
 }
@@ -87,7 +91,7 @@ TEST(EventText, NeverCarriesANumberThatIsNotFinite) {
 TEST(EventThrottle, SendsABurstAndCountsTheRest) {
   EventLog log;
   for (int i = 0; i < 10; ++i) {
-    report(EventId::kFrameDark, {}, &log);
+    event::frame_dark({}, &log);
   }
   const auto packets = sent_at(0, &log);
   ASSERT_EQ(packets.size(), burst_of(EventId::kFrameDark));
@@ -103,8 +107,8 @@ TEST(EventThrottle, LetsAPassOfCommandsBeAnsweredEach_AndLeavesRoomBesideAFlood)
 
 TEST(EventThrottle, TellsOfWhatItHeldBack_WhenTheWindowEnds) {
   EventLog log;
-  for (int i = 0; i < 10; ++i) {
-    report(EventId::kFrameDark, {.values = {static_cast<double>(i), 0.0}}, &log);
+  for (std::uint32_t i = 0; i < 10; ++i) {
+    event::frame_dark({.frame = i, .bright_level = 0.0}, &log);
   }
   (void)sent_at(0, &log);
   EXPECT_TRUE(sent_at(9, &log).empty());
@@ -121,9 +125,9 @@ TEST(EventThrottle, OfOneKindHidesNoOther) {
   EventLog log;
   for (int frame = 0; frame < 5; ++frame) {
     for (int i = 0; i < 1000; ++i) {
-      report(EventId::kCommandCrc, {}, &log);
+      event::command_crc({}, &log);
     }
-    report(EventId::kTargetLost, {}, &log);
+    event::target_lost({}, &log);
     const auto packets = sent_at(static_cast<std::uint32_t>(frame), &log);
     const auto lost = std::count_if(packets.begin(), packets.end(), [](const EventPacket& p) {
       return p.id == static_cast<std::uint16_t>(EventId::kTargetLost);
@@ -136,7 +140,7 @@ TEST(EventThrottle, OfOneKindHidesNoOther) {
 TEST(EventThrottle, AStepsFullListLosesPacketsButNoCount) {
   EventLog log;
   for (const EventRow& row : kEvents) {
-    report(row.id, {}, &log);
+    log_event(row.id, {}, &log);
   }
   EXPECT_EQ(log.sent, limits::kStepEvents);
   EXPECT_EQ(log.suppressed, kEventKinds - limits::kStepEvents);

@@ -5,6 +5,8 @@
 #include <set>
 
 #include "bus/counter_table.hpp"
+#include "bus/events.hpp"
+#include "bus/report_changes.hpp"
 
 namespace polhode::frame_uses_test {
 namespace {
@@ -58,8 +60,25 @@ TEST(FrameUses, AUseWithoutACounterIsOneThatAFaultCounts) {
 
 TEST(FrameUses, WhatIsNotUsedHasAnEvent_UnlessItWasHeldByCommand) {
   for (const FrameUseRow& row : kFrameUseRows) {
-    EXPECT_EQ(row.has_event, row.use != FrameUse::kUsed && row.use != FrameUse::kHeld);
+    bus::EventLog log;
+    bus::report_frame(7, row.use, {.measure = 0.5F}, &log);
+    const bool silent = row.use == FrameUse::kUsed || row.use == FrameUse::kHeld;
+    ASSERT_EQ(log.waiting.size(), silent ? 0U : 1U);
+    // What an image was assessed by goes along; the others were not looked at.
+    const bool measured = row.counter == nullptr;
+    for (const bus::EventPacket& packet : log.waiting) {
+      EXPECT_EQ(packet.value, (std::array<double, 2>{7.0, measured ? 0.5 : 0.0}));
+    }
   }
+}
+
+TEST(FrameUses, ADegradedFrameHasAnEventWithItsFault) {
+  bus::EventLog log;
+  bus::report_frame(
+      7, FrameUse::kUsed, {.decision = FrameDecision::kCare, .fault = FrameFault::kBlurred}, &log);
+  ASSERT_EQ(log.waiting.size(), 1U);
+  EXPECT_EQ(log.waiting[0].id, static_cast<std::uint16_t>(bus::EventId::kFrameWithCare));
+  EXPECT_EQ(log.waiting[0].value, (std::array<double, 2>{7.0, 7.0}));
 }
 
 TEST(Counters, EveryOneIsPublishedUnderItsOwnName) {

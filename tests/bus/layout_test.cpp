@@ -26,11 +26,11 @@ TEST(Sequence, CountsMissingPacketsAcrossTheWrap) {
 
 TEST(Time, IsTheTimestampRoundedDownToTwoToTheMinus24) {
   PacketHeader header;
-  set_time(1'700'000'000'500'000'000, header);
+  set_time(1'700'000'000'500'000'000, &header);
   EXPECT_EQ(header.seconds, 1'700'000'000U);
   EXPECT_EQ(header.fraction_2_24, 1U << 23U);
   EXPECT_EQ(header.time_quality, TimeQuality::kCamera);
-  set_time(999'999'999, header);
+  set_time(999'999'999, &header);
   EXPECT_EQ(header.seconds, 0U);
   EXPECT_EQ(header.fraction_2_24, 0xFFFFFFU);  // (1 - 1e-9) 2^24 = 2^24 - 0.017, rounded down
 }
@@ -40,12 +40,12 @@ TEST(Time, OutsideOfTheCodesRangeIsSaidAndZero) {
   for (const std::int64_t timestamp_ns : {std::int64_t{-1},
                                           std::numeric_limits<std::int64_t>::min(),
                                           std::int64_t{4'294'967'296'000'000'000}}) {
-    set_time(timestamp_ns, header);
+    set_time(timestamp_ns, &header);
     EXPECT_EQ(header.time_quality, TimeQuality::kOutOfRange);
     EXPECT_EQ(header.seconds, 0U);
     EXPECT_EQ(header.fraction_2_24, 0U);
   }
-  set_time(4'294'967'295'999'999'999, header);
+  set_time(4'294'967'295'999'999'999, &header);
   EXPECT_EQ(header.seconds, 0xFFFFFFFFU);
   EXPECT_EQ(header.time_quality, TimeQuality::kCamera);
 }

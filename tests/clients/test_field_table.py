@@ -41,6 +41,21 @@ def test_a_table_that_contradicts_itself_is_refused(tmp_path, old, new):
         read_table(tmp_path)
 
 
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [("after {poses} poses", "after {pose} poses"),
+     ('name = "poses", type = "u32"', 'name = "poses", type = "u33"'),
+     ('name = "keyframes", type = "u32"', 'name = "landmarks", type = "u32"'),
+     ('[{ name = "poses", type = "u32" }]', '[{ name = "poses", type = "u32" }, { name = "a", type = "u8" }, { name = "b", type = "u8" }]')])
+def test_an_event_whose_arguments_contradict_its_text_or_packet_is_refused(tmp_path, old, new):
+    for file in (REPOSITORY / "config/bus").glob("*.toml"):
+        text = file.read_text()
+        assert file.name != "events.toml" or old in text
+        (tmp_path / file.name).write_text(text.replace(old, new, 1) if file.name == "events.toml" else text)
+    with pytest.raises(TableError):
+        read_table(tmp_path)
+
+
 @pytest.mark.parametrize("example", ["c/example.c", "python/example.py"])
 def test_examples_are_short(example):
     assert len((CLIENT / example).read_text().splitlines()) <= 30

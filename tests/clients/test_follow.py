@@ -4,6 +4,7 @@ import json
 import os
 import subprocess
 import time
+import tomllib
 
 import pytest
 from flights import PROGRAM, REPOSITORY, split
@@ -223,6 +224,19 @@ def test_words_are_loaded_as_such_and_counts_follow_each_other(tmp_path):
         subprocess.run([PROGRAM, "bus", "send", f"unix:{tmp_path}/commands", *words, "--sequence", "16383"], check=True, timeout=60)
         assert receiver.recv(2000) == make_table_load({"motion.mode": "paper", "mask.background": False}, sequence=16383)
         assert receiver.recv(2000) == make_command("noop", sequence=1)
+
+
+def test_an_events_numbers_have_the_names_of_its_text(flight):
+    from polhode_bus import name_of, numbers_of
+
+    rows = {row["name"]: row for row in tomllib.loads((REPOSITORY / "config/bus/events.toml").read_text())["event"]}
+    seen = set()
+    for packet in flight.packets:
+        if packet.name == "event" and not any(argument["type"] in ("text", "f64") for argument in rows[name_of(packet, "id")]["arguments"]):
+            numbers = {name: int(value) for name, value in numbers_of(packet).items()}
+            assert packet.text == rows[name_of(packet, "id")]["text"].format(**numbers)
+            seen.add(name_of(packet, "id"))
+    assert {"counters_reset", "table_loaded", "mode_changed"} & seen
 
 
 def test_codes_are_printed_by_their_names(flight):

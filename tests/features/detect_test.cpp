@@ -69,7 +69,7 @@ std::unique_ptr<Features> detect(const cv::Mat& gray,
                                  const FeatureOptions& options = kLinear) {
   auto features = std::make_unique<Features>();
   const auto workspace = std::make_unique<FeatureWorkspace>();
-  detect_features(gray, mask, camera_for(gray), options, workspace.get(), features.get());
+  detect_features({&gray, &mask}, camera_for(gray), options, workspace.get(), features.get());
   return features;
 }
 
@@ -208,7 +208,8 @@ TEST(DetectFeatures, GivesTheUndistortedPointOfEachPixel) {
   camera.p1 = 1e-3;
   auto features = std::make_unique<Features>();
   const auto workspace = std::make_unique<FeatureWorkspace>();
-  detect_features(gray, whole(gray), camera, {}, workspace.get(), features.get());
+  const TargetMask mask = whole(gray);
+  detect_features({&gray, &mask}, camera, {}, workspace.get(), features.get());
   ASSERT_FALSE(features->empty());
   for (const Feature& f : *features) {
     const Eigen::Vector2d back = project_px(camera, f.normalised);

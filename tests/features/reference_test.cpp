@@ -120,7 +120,7 @@ TEST(DetectFeatures, IsNoWorseThanOpenCvs) {
   const auto workspace = std::make_unique<FeatureWorkspace>();
   const Quality own = judge(before, after, map, [&](const cv::Mat& gray, Features* features) {
     const long before_call = allocations;
-    detect_features(gray, mask, camera, {}, workspace.get(), features);
+    detect_features({&gray, &mask}, camera, {}, workspace.get(), features);
     EXPECT_EQ(allocations, before_call) << "detection takes no heap";
   });
   const Quality reference = judge(before, after, map, [&](const cv::Mat& gray, Features* features) {

@@ -126,7 +126,7 @@ TEST(Resample, KeepsPlaces_WhenItEnlarges_AndWhenItReduces) {
     SCOPED_TRACE(pixels_max);
     const WorkingSize size = working_size(region, pixels_max, 2.0);
     const Picture out = picture(size.width, size.height);
-    resample(gray, region, size, light_of_gray(1.0), scratch.get(), out.plane);
+    resample(gray, region, light_of_gray(1.0), scratch.get(), out.plane);
     // Three output pixels from the border nothing of the outside is left. In a mean over an area a
     // pixel that is partly covered counts with its centre, up to 1/4 pixel from the covered part's,
     // over up to half a pixel at either end; cubic convolution is exact on a ramp.
@@ -174,7 +174,7 @@ TEST(Resample, GivesBackThePicture_AtItsOwnSize) {
   ASSERT_EQ(size.width, 50);
   const Picture out = picture(50, 40);
   const auto scratch = std::make_unique<ResampleScratch>();
-  resample(gray, all, size, light_of_gray(1.0), scratch.get(), out.plane);
+  resample(gray, all, light_of_gray(1.0), scratch.get(), out.plane);
   for (int v = 0; v < 40; ++v) {
     for (int u = 0; u < 50; ++u) {
       EXPECT_NEAR(static_cast<double>(out.plane.row(v)[u]), gray.at<std::uint8_t>(v, u), 1e-4);

@@ -45,8 +45,9 @@ StartScenario passing_box(const Passage& passage, std::uint64_t seed) {
 StartOutcome run(const StartScenario& s, std::uint64_t seed) {
   static const auto workspace = std::make_unique<StartWorkspace>();
   const std::vector<StartTrack> tracks = synthetic::to_start_tracks(s.tracks, s.sigma_normalised);
-  return select_hypothesis(
-      {.times_s = s.motion.times_s, .tracks = tracks, .seed = seed}, StartOptions{}, *workspace);
+  return select_hypothesis({.times_s = s.motion.times_s, .tracks = tracks, .seed = seed},
+                           StartOptions{},
+                           workspace.get());
 }
 
 /// Starts that hold a body still, of those that find a geometry at all.

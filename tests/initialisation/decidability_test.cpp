@@ -108,7 +108,7 @@ TEST(Decidability, TellsWhereASelectionCommits) {
       const double margin = decide(s).margin;
       const std::vector<StartTrack> tracks = to_start_tracks(s.tracks, s.sigma_normalised);
       const StartOutcome out = select_hypothesis(
-          {.times_s = s.motion.times_s, .tracks = tracks, .seed = seed}, {}, workspace());
+          {.times_s = s.motion.times_s, .tracks = tracks, .seed = seed}, {}, &workspace());
       // The margin scatters by twice its root.
       if (margin > 100.0) {
         EXPECT_EQ(out.decision, StartDecision::kCommit) << seed << ": " << margin;

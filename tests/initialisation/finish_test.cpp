@@ -80,7 +80,7 @@ struct Start {
   [[nodiscard]] StartOutcome finish() const {
     const StartProblem of_all = problem();
     StartOutcome out;
-    adjust_all_tracks({.problem = of_all, .options = options, .w = workspace()}, &out);
+    adjust_all_tracks({.problem = of_all, .options = options}, &workspace(), &out);
     return out;
   }
 };

@@ -27,7 +27,7 @@ StartWorkspace& workspace() {
 StartOutcome run(const StartScenario& s, std::uint64_t seed) {
   const std::vector<StartTrack> tracks = to_start_tracks(s.tracks, s.sigma_normalised);
   return select_hypothesis(
-      {.times_s = s.motion.times_s, .tracks = tracks, .seed = seed}, StartOptions{}, workspace());
+      {.times_s = s.motion.times_s, .tracks = tracks, .seed = seed}, StartOptions{}, &workspace());
 }
 
 struct View {

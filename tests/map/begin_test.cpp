@@ -40,7 +40,7 @@ struct Bench {
 
 TEST(BeginMap, MakesAKeyframeOfEachFrameWithAPose) {
   Bench b;
-  begin_map(*b.outcome, 0, *b.tracks, {}, {}, b.map.get());
+  begin_map({b.outcome.get(), 0, b.tracks.get()}, {}, b.map.get());
   const auto order = keyframes_by_age(*b.map);
   ASSERT_EQ(order.size(), 3U);
   const std::uint32_t frames[] = {13, 12, 10};
@@ -55,7 +55,7 @@ TEST(BeginMap, MakesAKeyframeOfEachFrameWithAPose) {
 
 TEST(BeginMap, MakesALandmarkOfEachTrackWithAPoint_SeenWhereItsFeaturesAre) {
   Bench b;
-  begin_map(*b.outcome, 0, *b.tracks, {}, {}, b.map.get());
+  begin_map({b.outcome.get(), 0, b.tracks.get()}, {}, b.map.get());
   EXPECT_EQ(b.map->landmark_count, 4);
   EXPECT_EQ(broken_promise(*b.map), "");
   for (const Landmark& landmark : b.map->landmarks) {
@@ -79,14 +79,14 @@ TEST(BeginMap, MakesALandmarkOfEachTrackWithAPoint_SeenWhereItsFeaturesAre) {
 TEST(BeginMap, LeavesOutAFrame_WhoseBodyLiesBehindTheCamera) {
   Bench b;
   b.outcome->frames[2].pose.p_CT.z() = -0.1;
-  begin_map(*b.outcome, 0, *b.tracks, {}, {}, b.map.get());
+  begin_map({b.outcome.get(), 0, b.tracks.get()}, {}, b.map.get());
   EXPECT_EQ(b.map->keyframe_count, 2);
   EXPECT_EQ(broken_promise(*b.map), "");
 }
 
 TEST(BeginMap, TakesNoMoreKeyframesThanAllowed) {
   Bench b;
-  begin_map(*b.outcome, 0, *b.tracks, {}, {.keyframes_max = 2}, b.map.get());
+  begin_map({b.outcome.get(), 0, b.tracks.get()}, {.keyframes_max = 2}, b.map.get());
   EXPECT_EQ(b.map->keyframe_count, 2);
   EXPECT_EQ(broken_promise(*b.map), "");
 }
@@ -94,7 +94,7 @@ TEST(BeginMap, TakesNoMoreKeyframesThanAllowed) {
 TEST(BeginMap, OfTheNewestFrames_LeavesOutTheFramesBefore) {
   Bench b;
   b.outcome->frames.resize(3);  // of the frames 11, 12 and 13; the second has no pose
-  begin_map(*b.outcome, 1, *b.tracks, {}, {}, b.map.get());
+  begin_map({b.outcome.get(), 1, b.tracks.get()}, {}, b.map.get());
   const auto order = keyframes_by_age(*b.map);
   ASSERT_EQ(order.size(), 2U);
   const std::uint32_t frames[] = {13, 11};

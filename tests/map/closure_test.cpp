@@ -4,6 +4,7 @@
 
 #include <memory>
 
+#include "map/map_state.hpp"
 #include "map/window.hpp"
 #include "synthetic_map.hpp"
 
@@ -24,8 +25,7 @@ struct Return {
   LocaliseOptions options;
   std::vector<Picture> pictures;
   std::vector<KeyframeId> back;
-  std::unique_ptr<LocaliseScratch> scratch = std::make_unique<LocaliseScratch>();
-  std::unique_ptr<LocalisedFrame> work = std::make_unique<LocalisedFrame>();
+  std::unique_ptr<MapScratch> scratch = std::make_unique<MapScratch>();
 
   Return(double drift_rad, std::uint32_t keyframes_away, const std::vector<Spot>& seen)
       : drift(so3_exp(drift_rad * Eigen::Vector3d(0.6, 0.0, 0.8))) {
@@ -76,7 +76,6 @@ struct Return {
                       back[1],
                       {},
                       scratch.get(),
-                      work.get(),
                       mapped.map.get());
   }
 

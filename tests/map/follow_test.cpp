@@ -85,7 +85,9 @@ struct Bench {
                               .seed = 1};
     Pyramid pyramid;
     build_pyramid(picture, &pyramid);
-    return localise_by_flow(input, *reference, pyramid, {}, predicted, scratch.get(), out.get());
+    const TrackOptions flow_options;
+    return localise_by_flow(
+        input, {reference.get(), &pyramid, &flow_options}, predicted, scratch.get(), out.get());
   }
 };
 

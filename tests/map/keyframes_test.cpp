@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "map/map_state.hpp"
 #include "synthetic_map.hpp"
 
 namespace polhode::keyframes_test {
@@ -36,7 +37,12 @@ Frame frame_of(const std::vector<Spot>& body,
 }
 
 KeyframeId insert(const Frame& frame, const MapOptions& options, Map* map) {
-  return insert_keyframe(77, 123456789, *frame.picture.features, *frame.localised, options, map);
+  return insert_keyframe({.frame = 77,
+                          .timestamp_ns = 123456789,
+                          .features = frame.picture.features.get(),
+                          .options = &options},
+                         *frame.localised,
+                         map);
 }
 
 TEST(WantsKeyframe, IsTrue_WhenThereIsNone) {

@@ -24,7 +24,7 @@ cv::Mat unary_cost_of(const cv::Mat& picture,
   cv::Mat unary_cost(kSize, CV_32FC1, cv::Scalar(0.0));
   AppearanceScratch scratch;
   add_appearance(
-      picture, outline, matches, cv::Rect(cv::Point(), picture.size()), 1, &scratch, &unary_cost);
+      {picture, outline, matches, cv::Rect(cv::Point(), picture.size())}, &scratch, &unary_cost);
   return unary_cost;
 }
 
@@ -88,7 +88,7 @@ TEST(AddAppearance, AddsTheSameWithinARegion_AndNothingOutsideOfIt) {
   cv::Mat unary_cost(kSize, CV_32FC1, cv::Scalar(0.0));
   AppearanceScratch scratch;
   const cv::Mat nothing_known = cv::Mat::zeros(kSize, CV_8UC1);
-  add_appearance(picture, outline_without(kCell), nothing_known, region, 1, &scratch, &unary_cost);
+  add_appearance({picture, outline_without(kCell), nothing_known, region}, &scratch, &unary_cost);
   EXPECT_EQ(cv::norm(unary_cost(region), everywhere(region), cv::NORM_INF), 0.0);
   EXPECT_GT(mean_in(unary_cost, kCell), 0.2);
   unary_cost(region).setTo(0.0);
@@ -107,11 +107,7 @@ TEST(AddAppearance, AddsByCells_WhatItAddsByTheirFirstPixels) {
   cv::Mat by_cells(kSize / 2, CV_32FC1, cv::Scalar(0.0));
   AppearanceScratch scratch;
   const cv::Mat nothing_known = cv::Mat::zeros(kSize, CV_8UC1);
-  add_appearance(picture,
-                 outline_without(kCell),
-                 nothing_known,
-                 cv::Rect(cv::Point(), kSize),
-                 2,
+  add_appearance({picture, outline_without(kCell), nothing_known, cv::Rect(cv::Point(), kSize), 2},
                  &scratch,
                  &by_cells);
   int counted = 0;

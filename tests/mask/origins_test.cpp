@@ -87,7 +87,7 @@ TEST(Carry, BringsAlongWhatIsKnown_BetweenCells_ByPixelsAndByCells) {
     }
     cv::Mat from;
     cv::Mat found;
-    carry(steady({3.0F, -2.0F}), kCell_px, kRegion, step, ramp, &from, &found);
+    carry(steady({3.0F, -2.0F}), {kRegion, step, kCell_px}, ramp, &from, &found);
     ASSERT_EQ(found.size(),
               cv::Size((kRegion.width + step - 1) / step, (kRegion.height + step - 1) / step));
     const cv::Mat here = ramp(cv::Rect(kRegion.tl() / step, found.size()));
@@ -101,7 +101,7 @@ TEST(Carry, RepeatsTheBorder_OutsideOfWhatIsKnown) {
   known.col(0).setTo(5.0);
   cv::Mat from;
   cv::Mat found;
-  carry(steady({40.0F, 0.0F}), kCell_px, {0, 0, 40, 120}, 1, known, &from, &found);
+  carry(steady({40.0F, 0.0F}), {{0, 0, 40, 120}, 1, kCell_px}, known, &from, &found);
   EXPECT_EQ(cv::norm(found, cv::NORM_INF), 5.0);
   EXPECT_EQ(cv::countNonZero(found == 5.0), found.size().area());
 }

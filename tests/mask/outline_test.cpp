@@ -24,10 +24,10 @@ cv::Mat grid_log_odds() {
 TEST(FindOutline, ClosesGapsThatTheElementDoesNotFitInto_AndNoWiderOnes) {
   OutlineScratch scratch;
   cv::Mat outline;
-  ASSERT_TRUE(find_outline(grid_log_odds(), {}, kWhole, square(5), 1, &scratch, &outline));
+  ASSERT_TRUE(find_outline({grid_log_odds(), {}, kWhole, square(5)}, &scratch, &outline));
   EXPECT_EQ(outline.at<std::uint8_t>(60, 80), 255);
   EXPECT_EQ(outline.at<std::uint8_t>(60, 45), 0);
-  ASSERT_TRUE(find_outline(grid_log_odds(), {}, kWhole, square(2), 1, &scratch, &outline));
+  ASSERT_TRUE(find_outline({grid_log_odds(), {}, kWhole, square(2)}, &scratch, &outline));
   EXPECT_EQ(outline.at<std::uint8_t>(60, 80), 0);
   EXPECT_EQ(outline.at<std::uint8_t>(60, 51), 255);
 }
@@ -36,7 +36,7 @@ TEST(FindOutline, FindsNothing_WithoutLogOdds) {
   OutlineScratch scratch;
   cv::Mat outline;
   EXPECT_FALSE(find_outline(
-      cv::Mat(kSize, CV_32FC1, cv::Scalar(0.0F)), {}, kWhole, square(5), 1, &scratch, &outline));
+      {cv::Mat(kSize, CV_32FC1, cv::Scalar(0.0F)), {}, kWhole, square(5)}, &scratch, &outline));
   EXPECT_EQ(cv::countNonZero(outline), 0);
 }
 

@@ -37,7 +37,7 @@ class Smoothed : public testing::Test {
 
   [[nodiscard]] std::vector<MotionState> rows(const RigidModel& model) const {
     return smoothed_motion(
-        poses_, samples_, published_, model, ServicerAttitude(), view_of(*state_));
+        {poses_, samples_, published_}, model, ServicerAttitude(), view_of(*state_));
   }
 
   [[nodiscard]] RigidModel model() const { return model_of(samples_, 1.0, view_of(*state_)); }

@@ -22,6 +22,9 @@ CHOSEN = re.compile(r"\bchosen\b", re.IGNORECASE)
 PATH_LINE = re.compile(r"\bsys\.path\b")
 SILENCED_LINE = re.compile(r"#\s*(?:noqa\b|type:\s*ignore|(?:fmt|mypy|pylint|ruff):)")
 
+ASSERTION = re.compile(r"\bPOLHODE_ASSERT\([^;]*;")
+EFFECT = re.compile(r"\bpush_back\(|\binsert\(|\btake\(|\+\+|--|[^=!<>]=[^=]")
+
 Graph = dict[pathlib.Path, set[pathlib.Path]]
 
 
@@ -82,6 +85,12 @@ def comments_with_chosen(files: list[pathlib.Path]) -> Figure:
 def code_lines(files: list[pathlib.Path]) -> Figure:
     lines = [(sum(bool(line.strip()) for line in code_of(file).splitlines()), name_of(file)) for file in files]
     return Figure(sum(number for number, _ in lines), [f"{name}: {number} lines" for number, name in sorted(lines, reverse=True)])
+
+
+def assertions_with_effects(files: list[pathlib.Path]) -> Figure:
+    """What an assertion changes hides in a place that is read as a check."""
+    return counted([f"{name_of(file)}:{code_of(file)[:match.start()].count(chr(10)) + 1}" for file in files
+                    for match in ASSERTION.finditer(code_of(file)) if EFFECT.search(match.group())])
 
 
 def documents() -> list[pathlib.Path]:
@@ -175,6 +184,7 @@ def all_figures() -> dict[str, Figure]:
         "many_parameter_functions": with_many_parameters(written_by_hand("fsw", "platform")),
         "chosen_comments": comments_with_chosen(fsw),
         "fsw_code_lines": code_lines(fsw),
+        "assertions_with_effects": assertions_with_effects(fsw),
         "include_cycles": cycles(include_graph(source_files("fsw", "platform", suffixes=(".cpp", ".hpp")))),
         "import_cycles": cycles(import_graph(python)),
         "search_path_lines": matching_lines(PATH_LINE, python),

@@ -184,3 +184,11 @@ def test_step_names_what_flows_on_one_screen():
     length = {first: lines for first, lines in cpp_functions(file)}
     step = min(lines for first, lines in length.items() if abs(first - 1 - begin) <= 1)
     assert step <= FUNCTION_LINES_MAX
+
+
+def test_an_event_is_reported_by_its_own_function_alone():
+    """log_event() takes numbers without names; the functions of event_reports.hpp call it."""
+    allowed = {"fsw/bus/events.hpp", "fsw/bus/events.cpp", "fsw/bus/event_reports.cpp"}
+    wrong = [name_of(file) for file in source_files("fsw", "platform", suffixes=(".cpp", ".hpp"))
+             if re.search(r"\blog_event\(", code_of(file)) and name_of(file) not in allowed]
+    assert not wrong, wrong

@@ -54,11 +54,14 @@ def test_every_option_is_in_the_table(table):
     assert set(option_fields()) - NOT_SET_DIRECTLY | {"seed"} == set(table)
 
 
-def test_ranges_in_comments_are_the_tables(table):
+def test_a_range_stands_in_the_table_alone(table):
+    """Motion's and shape's comments still have theirs: there they are the table's."""
     wrong = []
     for key, comment in option_fields().items():
         told = re.search(r"(-?[\d.]+) \.\. (-?[\d.]+)$", comment.strip())
         ranges = re.match(r"(-?[\d.]+) \.\. (-?[\d.]+)", table.get(key, ""))
-        if told and ranges and [float(x) for x in told.groups()] != [float(x) for x in ranges.groups()]:
+        if told and key.split(".")[0] not in ("motion", "scale", "shape"):
+            wrong.append(f"{key}: its comment has a range")
+        elif told and ranges and [float(x) for x in told.groups()] != [float(x) for x in ranges.groups()]:
             wrong.append(f"{key}: the comment says {told.group()}, the table {ranges.group()}")
     assert not wrong, "\n".join(wrong)

@@ -40,7 +40,8 @@ constexpr auto kText = "chosen 3";
 void change(int times, Component::State* state) { state->clear(); }
 
 void look(const Component::State& state, std::map<int, int> a, int b, int c, int d) {}
-void mix(std::map<int, int> a, int (*b)(int, int), int c, int d, int e, State& f) {}
+void mix(std::map<int, int> a, int (*b)(int, int), int c, int d, int e, State& f) { POLHODE_ASSERT(c == d && e <= 1, c); }
+void keep(List* to) { POLHODE_ASSERT(to->push_back(1), 1); }
 """
 TREE = {
     "fsw/map/one.hpp": ONE,
@@ -63,8 +64,8 @@ def test_each_figure_is_counted(tmp_path, monkeypatch):
         (tmp_path / name).write_text(text)
     figures = ratchets.all_figures()
     assert {name: figure.number for name, figure in figures.items()} == {
-        "whole_state_functions": 2, "many_parameter_functions": 1, "chosen_comments": 2, "fsw_code_lines": 15, "include_cycles": 1,
-        "import_cycles": 1, "search_path_lines": 1, "silenced_lines": 1, "documents": 1, "hundreds_of_words": 1, "wide_structs.Wide": 16, "constants.map": 1}
+        "whole_state_functions": 2, "many_parameter_functions": 1, "chosen_comments": 2, "fsw_code_lines": 16, "include_cycles": 1,
+        "assertions_with_effects": 1, "import_cycles": 1, "search_path_lines": 1, "silenced_lines": 1, "documents": 1, "hundreds_of_words": 1, "wide_structs.Wide": 16, "constants.map": 1}
     assert ratchets.complaint("constants.map", figures["constants.map"], 1) == ""
     assert ratchets.complaint("constants.map", figures["constants.map"], 0) == "constants.map is 1, held at 0:\nfsw/map/one.hpp:8: kHere"
     assert ratchets.complaint("constants.map", figures["constants.map"], 2).endswith("lower the figure in ratchets.toml to 1, now 2")

@@ -45,10 +45,9 @@ struct TrackedSpots {
       f.descriptor[0] = static_cast<std::uint8_t>(f.descriptor[0] + change);
       ASSERT_TRUE(features->push_back(f));
     }
-    add_frame(next_frame,
-              1000 * static_cast<std::int64_t>(next_frame),
-              Eigen::Matrix3d::Identity(),
-              *features,
+    add_frame({.frame = next_frame,
+               .timestamp_ns = 1000 * static_cast<std::int64_t>(next_frame),
+               .features = features.get()},
               0.8,
               table.get());
     ++next_frame;

@@ -14,6 +14,12 @@ def member(field: Field) -> str:
     return f"  {TYPES[field.type]} {field.name}{array};{f' /* {about} */' if about else ''}\n"
 
 
+def about_values(field: Field, code: int, table: Table) -> str:
+    """Of an event's id: what the packet's values are."""
+    helps = {event.id: event.values_help for event in table.events if event.numbers} if field.names == "events" else {}
+    return f" /* {helps[code].replace('value_0', 'value[0]').replace('value_1', 'value[1]')} */" if code in helps else ""
+
+
 def header(table: Table) -> str:
     text = NOTE + "#ifndef POLHODE_PACKETS_H\n#define POLHODE_PACKETS_H\n\n#include <stdint.h>\n\n"
     text += f"#define POLHODE_LAYOUT_VERSION {table.layout_version}\n#define POLHODE_APID_FIRST {table.apid_first}\n\n"
@@ -28,7 +34,7 @@ def header(table: Table) -> str:
             text += f"#define POLHODE_{name}_{packet.flags_number.upper()}(flags) ((uint8_t)((flags) >> {8 - FLAGS_NUMBER_BITS}))\n"
         text += "".join(f"#define POLHODE_{name}_{field.name.upper()}_{label} {value}\n"
                         for field in packet.fields for value, label in enumerate(field.enum))
-        text += "".join(f"#define POLHODE_{name}_{field.name.upper()}_{code_name.upper()} {code}\n"
+        text += "".join(f"#define POLHODE_{name}_{field.name.upper()}_{code_name.upper()} {code}{about_values(field, code, table)}\n"
                         for field in packet.fields if field.names for code, code_name in table.codes[field.names].items())
         text += f"/* {packet.help} */\nstruct polhode_{packet.name} {{\n" + "".join(map(member, packet.fields)) + "};\n\n"
     return text + "#endif\n"

@@ -1,6 +1,6 @@
 """C++: plain structs, offsets, and the tables by which they are packed, unpacked and printed."""
 
-from .table import FLAGS_NUMBER_BITS, Event, Field, Layout, Table
+from .table import FLAGS_NUMBER_BITS, Argument, Event, Field, Layout, Table
 
 NOTE = "// Written by tools/generate_bus.py from config/bus/*.toml: change those.\n"
 TYPES = {"u8": "std::uint8_t", "u16": "std::uint16_t", "u32": "std::uint32_t", "u64": "std::uint64_t", "i64": "std::int64_t",
@@ -175,7 +175,7 @@ def counter_table(table: Table) -> str:
 
 
 def event_row(event: Event) -> str:
-    return f'    {{EventId::k{camel(event.name)}, Severity::k{camel(event.severity.lower())}, {event.burst}, "{event.name}", "{event.text}", {{{{{names_of(event.words[0])}, {names_of(event.words[1])}}}}}}},\n'
+    return f'    {{EventId::k{camel(event.name)}, Severity::k{camel(event.severity.lower())}, {event.burst}, "{event.name}", "{event.pattern}", {{{{{names_of(event.words[0])}, {names_of(event.words[1])}}}}}}},\n'
 
 
 def event_header(table: Table) -> str:
@@ -189,6 +189,51 @@ def event_header(table: Table) -> str:
     text += f"inline constexpr std::size_t kEventKinds = {len(table.events)};\n"
     text += "inline constexpr std::array<EventRow, kEventKinds> kEvents{{\n" + "".join(map(event_row, table.events)) + "}};\n"
     return text + "// clang-format on\n\n}  // namespace polhode::bus\n"
+
+
+# C++ types of codes that have one of their own; of the others it is the number's.
+CODE_TYPES = {"commands": "CommandCode", "motion.mode": "Mode", "faults": "FrameFault"}
+ARGUMENT_TYPES = {**TYPES, "text": "std::string_view"}
+
+
+def argument_member(argument: Argument) -> str:
+    """Without a default: a call that leaves one out does not compile."""
+    help = argument.help.removeprefix(argument.name).strip(" ()")
+    kind = CODE_TYPES.get(argument.codes, ARGUMENT_TYPES[argument.type])
+    return f"  {kind} {argument.name};{f'  ///< {help}' if help else ''}\n"
+
+
+def event_parameters(event: Event) -> str:
+    return f"const {camel(event.name)}& is, EventLog* log" if event.arguments else "EventLog* log"
+
+
+def event_reports_header(table: Table) -> str:
+    text = NOTE + "// One function an event, with its arguments by name: event::target_lost({.poses = 3}, &log).\n#pragma once\n\n#include <cstdint>\n"
+    text += '#include <string_view>\n\n#include "bus/packets.hpp"\n#include "image/verdict.hpp"\n#include "motion/motion_state.hpp"\n\n'
+    text += "namespace polhode::bus {\n\nstruct EventLog;\n\nnamespace event {\n\n// clang-format off\n"
+    for event in table.events:
+        text += f"/// {event.severity}: {event.text}\n"
+        if event.arguments:
+            text += f"struct {camel(event.name)} {{\n{''.join(map(argument_member, event.arguments))}}};\n"
+        text += f"void {event.name}({event_parameters(event)});\n\n"
+    return text + "// clang-format on\n\n}  // namespace event\n}  // namespace polhode::bus\n"
+
+
+def event_details(event: Event) -> str:
+    parts = []
+    if event.numbers:
+        values = [f"is.{number.name}" if number.type == "f64" else f"static_cast<double>(is.{number.name})" for number in event.numbers]
+        parts.append(f".values = {{{', '.join(values)}}}")
+    if event.word:
+        parts.append(f".word = is.{event.word.name}")
+    return f"{{{', '.join(parts)}}}"
+
+
+def event_reports(table: Table) -> str:
+    text = NOTE + '#include "bus/event_reports.hpp"\n\n#include "bus/events.hpp"\n\nnamespace polhode::bus::event {\n\n// clang-format off\n'
+    text += "".join(f"void {event.name}({event_parameters(event)}) {{ log_event(EventId::k{camel(event.name)}, {event_details(event)}, log); }}\n"
+                    for event in table.events)
+    return text + "// clang-format on\n\n}  // namespace polhode::bus::event\n"
 
 
 def code_names_header(table: Table) -> str:
@@ -207,4 +252,5 @@ def code_names_header(table: Table) -> str:
 def files(table: Table) -> dict[str, str]:
     return {"fsw/bus/code_names.hpp": code_names_header(table), "fsw/bus/packets.hpp": packets_header(table), "fsw/bus/packet_layout.hpp": layout_header(table),
             "fsw/bus/packet_table.cpp": packet_table(table), "fsw/bus/event_table.hpp": event_header(table),
+            "fsw/bus/event_reports.hpp": event_reports_header(table), "fsw/bus/event_reports.cpp": event_reports(table),
             "fsw/bus/counters.hpp": counters_header(table), "fsw/bus/counter_table.hpp": counter_table(table)}

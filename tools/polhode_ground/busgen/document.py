@@ -96,20 +96,23 @@ def command_text(command: Layout) -> str:
 
 def events_text(table: Table) -> str:
     text = ("## Events\nOf one id, at most `burst` events are sent within `bus.event_window_frames` frames. The others are counted, and the "
-            "next one sent reports how many. {0} and {1} are the packet's values, {} a word.\n\n"
-            "| id | name | severity | burst | text | codes in it |\n| --- | --- | --- | --- | --- | --- |\n")
-    return text + "".join(f"| {event.id} | {event.name} | {event.severity} | {event.burst} | {event.text} | {codes_text(event, table)} |\n"
-                          for event in table.events)
+            "next one sent reports how many. Of the arguments the numbers are the packet's values, in their order; a word is in the text alone.\n\n"
+            "| id | name | severity | burst | text | arguments | codes in it |\n| --- | --- | --- | --- | --- | --- | --- |\n")
+    for event in table.events:
+        arguments = "; ".join(argument.help for argument in event.arguments)
+        text += f"| {event.id} | {event.name} | {event.severity} | {event.burst} | {event.text} | {arguments} | {codes_text(event, table)} |\n"
+    return text
 
 
 def codes_text(event: Event, table: Table) -> str:
     """Of each kind of code once."""
     told = []
-    for number, codes in enumerate(event.words):
+    for place, number in enumerate(event.numbers):
+        codes = number.codes
         if codes == "commands":
-            told.append(f"{{{number}}}: code of the command")
-        elif codes and codes not in event.words[:number]:
-            where = "{0}, {1}" if event.words[0] == event.words[1] else f"{{{number}}}"
+            told.append(f"{number.name}: code of the command")
+        elif codes and codes not in event.words[:place]:
+            where = ", ".join(one.name for one in event.numbers if one.codes == codes)
             told.append(f"{where}: " + ", ".join(f"{code} {name}" for code, name in table.codes[codes].items()))
     return "; ".join(told)
 

@@ -35,8 +35,9 @@ def files(table: Table) -> dict[str, str]:
     text += "".join(map(layout_text, table.commands)) + "}\n\n# Entries of commands that repeat them.\nENTRIES = {\n"
     text += "".join(f'    "{command.name}": {[(f.name, CODES[f.type]) for f in command.entry.fields]},\n'
                     for command in table.commands if command.entry) + "}\n\n"
-    text += "# Event id: name, severity, what each of its two numbers is a code of (a key of CODES; empty: it is a number).\nEVENTS = {\n"
-    text += "".join(f'    {event.id}: ("{event.name}", "{event.severity}", {tuple(event.words)}),\n' for event in table.events) + "}\n\n"
+    text += "# Event id: name, severity, and of each of its numbers name, unit and what it is a code of (a key of CODES; empty: it is a number).\nEVENTS = {\n"
+    text += "".join(f'    {event.id}: ("{event.name}", "{event.severity}", {[(n.name, n.unit, n.codes) for n in event.numbers]}),\n'
+                    for event in table.events) + "}\n\n"
     text += "# Names of codes.\nCODES = {\n" + "".join(f'    "{name}": {table.codes[name]},\n' for name in table.codes_in_use) + "}\n\n"
     named = [(packet.name, field) for packet in table.packets for field in packet.fields if field.names]
     text += "# Fields whose value is a code: its names.\nNAMED = {\n" + "".join(f'    ("{packet}", "{field.name}"): "{field.names}",\n' for packet, field in named) + "}\n"

@@ -4,6 +4,7 @@ import binascii
 import dataclasses
 import math
 import pathlib
+import re
 import tomllib
 
 HEADER_OCTETS = 16
@@ -13,6 +14,7 @@ FLAGS_NUMBER_BITS = 4  # the upper half of the octet of flags, in a packet that 
 PACKET_OCTETS_MAX = 1400
 TEXT_OCTETS_MAX = 122
 COMMAND_EVENTS = range(40, 80)  # ids of answers to commands
+EVENT_NUMBERS_MAX = 2  # values that its packet has room for
 NO_COMMAND = 255  # where the code of the last command stands and none came
 
 SIZES = {"u8": 1, "u16": 2, "u32": 4, "u64": 8, "i64": 8, "f32": 4, "f64": 8, "text": 1}
@@ -91,13 +93,58 @@ class Layout:
 
 
 @dataclasses.dataclass
+class Argument:
+    """Of an event."""
+    name: str
+    type: str
+    unit: str = ""
+    range: tuple[float, float] | None = None
+    codes: str = ""  # of Table.codes: what the number is a code of; "" where it is none
+
+    @property
+    def help(self) -> str:
+        """With its unit and range."""
+        limits = f"{self.range[0]:g} .. {self.range[1]:g}" if self.range else ""
+        notes = ", ".join(note for note in (self.unit, limits, self.codes) if note)
+        return f"{self.name} ({notes})" if notes else self.name
+
+
+@dataclasses.dataclass
 class Event:
     id: int
     name: str
     severity: str
-    text: str
+    text: str  # names its arguments: "{frames}"
     burst: int  # sent within a window of frames
-    words: tuple[str, str]  # of Table.codes: what each number is a code of; "" where it is a number
+    arguments: list[Argument]
+
+    @property
+    def numbers(self) -> list[Argument]:
+        """In the order of the packet's values."""
+        return [argument for argument in self.arguments if argument.type != "text"]
+
+    @property
+    def word(self) -> Argument | None:
+        return next((argument for argument in self.arguments if argument.type == "text"), None)
+
+    @property
+    def pattern(self) -> str:
+        """The text as the packet's writer fills it: {0} and {1} are its numbers, {} its word."""
+        text = self.text
+        for place, argument in enumerate(self.numbers):
+            text = text.replace(f"{{{argument.name}}}", f"{{{place}}}")
+        return text.replace(f"{{{self.word.name}}}", "{}") if self.word else text
+
+    @property
+    def words(self) -> tuple[str, str]:
+        """What each number is a code of; "" where it is a number."""
+        first, second, *_ = *(number.codes for number in self.numbers), "", ""
+        return first, second
+
+    @property
+    def values_help(self) -> str:
+        """What the packet's values are; empty where it has none."""
+        return ", ".join(f"value_{place}: {number.help}" for place, number in enumerate(self.numbers))
 
 
 @dataclasses.dataclass
@@ -210,10 +257,17 @@ def read_command(raw: dict) -> Layout:
 
 
 def read_events(raw: dict, severities: tuple[str, ...]) -> list[Event]:
-    events = [Event(**{"words": ("", ""), **entry}, burst=raw["command_burst" if entry["id"] in COMMAND_EVENTS else "burst"]) for entry in raw["event"]]
+    events = [Event(**{**entry, "arguments": [Argument(**argument) for argument in entry["arguments"]]},
+                    burst=raw["command_burst" if entry["id"] in COMMAND_EVENTS else "burst"]) for entry in raw["event"]]
     for event in events:
         if event.severity not in severities or len(event.text) > TEXT_OCTETS_MAX or not event.text.isascii():
             raise TableError(f"event {event.name}: severity, or text longer than {TEXT_OCTETS_MAX} ASCII characters")
+        names = [argument.name for argument in event.arguments]
+        if (len(event.numbers) > EVENT_NUMBERS_MAX or len(event.arguments) - len(event.numbers) > 1 or len(set(names)) != len(names)
+                or {argument.type for argument in event.arguments} - set(SIZES)):
+            raise TableError(f"event {event.name}: two numbers and a word at most, of known types, and each name once")
+        if unknown := set(re.findall(r"{(\w*)}", event.text)) - set(names):
+            raise TableError(f"event {event.name}: its text names {', '.join(sorted(unknown))}, which is no argument")
     if len({event.id for event in events}) != len(events):
         raise TableError("events: an id stands twice")
     return events

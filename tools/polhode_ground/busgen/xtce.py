@@ -36,8 +36,11 @@ def integer_encoding(bits: int, signed: bool) -> str:
     return f'<IntegerDataEncoding sizeInBits="{bits}" encoding="{"twosComplement" if signed else "unsigned"}"/>'
 
 
-def enumeration(labels: dict[int, str]) -> str:
-    rows = "".join(f'<Enumeration value="{value}" label="{label}"/>' for value, label in labels.items())
+def enumeration(labels: dict[int, str], helps: dict[int, str]) -> str:
+    def about(value: int) -> str:
+        return f" shortDescription={quoteattr(helps[value])}" if helps.get(value) else ""
+
+    rows = "".join(f'<Enumeration value="{value}" label="{label}"{about(value)}/>' for value, label in labels.items())
     return f"<EnumerationList>{rows}</EnumerationList>"
 
 
@@ -51,8 +54,9 @@ def float_type(role: str, name: str, bits: int, unit: str, limits: str = "") -> 
             f'<FloatDataEncoding sizeInBits="{bits}" encoding="IEEE754_1985"/>{limits}</Float{role}Type>')
 
 
-def enumerated_type(role: str, name: str, bits: int, labels: dict[int, str], limits: str = "") -> str:
-    return (f'<Enumerated{role}Type name="{name}"><UnitSet/>{integer_encoding(bits, False)}{enumeration(labels)}{limits}'
+def enumerated_type(role: str, name: str, bits: int, labels: dict[int, str], limits: str = "", helps: dict[int, str] | None = None) -> str:
+    """helps: of some of the labels."""
+    return (f'<Enumerated{role}Type name="{name}"><UnitSet/>{integer_encoding(bits, False)}{enumeration(labels, helps or {})}{limits}'
             f"</Enumerated{role}Type>")
 
 
@@ -75,6 +79,11 @@ def labels_of(field: Field, table: Table) -> dict[int, str]:
     return dict(sorted({**others, **table.codes[field.names]}.items()))
 
 
+def helps_of(field: Field, table: Table) -> dict[int, str]:
+    """Of an event's id: what the packet's values are."""
+    return {event.id: event.values_help for event in table.events} if field.names == "events" else {}
+
+
 def data_type(field: Field, packet: Layout, table: Table) -> str:
     name = type_name(field, packet)
     if field.type == "text":
@@ -82,7 +91,7 @@ def data_type(field: Field, packet: Layout, table: Table) -> str:
         return (f'<StringParameterType name="{name}"><UnitSet/><StringDataEncoding encoding="US-ASCII">{size}'
                 f"</StringDataEncoding></StringParameterType>")
     if field.enum or field.names:
-        return enumerated_type("Parameter", name, BITS[field.type], labels_of(field, table), enumerated_alarm(field))
+        return enumerated_type("Parameter", name, BITS[field.type], labels_of(field, table), enumerated_alarm(field), helps_of(field, table))
     if field.type.startswith("f"):
         return float_type("Parameter", name, BITS[field.type], field.unit, numeric_alarm(field))
     return integer_type("Parameter", name, BITS[field.type], field.type.startswith("i"), field.unit, numeric_alarm(field))

@@ -294,55 +294,55 @@ struct polhode_housekeeping {
 #define POLHODE_EVENT_SEVERITY_WARNING 2
 #define POLHODE_EVENT_SEVERITY_ERROR 3
 #define POLHODE_EVENT_SEVERITY_CRITICAL 4
-#define POLHODE_EVENT_ID_STARTED 1
-#define POLHODE_EVENT_ID_TARGET_ACQUIRED 2
-#define POLHODE_EVENT_ID_TARGET_LOST 3
-#define POLHODE_EVENT_ID_TARGET_FOUND_AGAIN 4
-#define POLHODE_EVENT_ID_TARGET_FRAME_NEW 11
-#define POLHODE_EVENT_ID_MOTION_CHANGED 12
-#define POLHODE_EVENT_ID_STAMPS_DOUBTED 13
-#define POLHODE_EVENT_ID_RATE_IMPLAUSIBLE 14
-#define POLHODE_EVENT_ID_TABLE_DAMAGED 15
-#define POLHODE_EVENT_ID_LOOP_CLOSED 5
-#define POLHODE_EVENT_ID_SCALE_KNOWN 6
-#define POLHODE_EVENT_ID_SCALE_UNKNOWN 16
-#define POLHODE_EVENT_ID_FOCAL_LENGTH_DOUBTED 18
-#define POLHODE_EVENT_ID_CAMERA_CONTRADICTED 19
-#define POLHODE_EVENT_ID_SCALE_NOT_IMPROVED 17
-#define POLHODE_EVENT_ID_TABLE_FULL 7
-#define POLHODE_EVENT_ID_SHAPE_KNOWN 8
+#define POLHODE_EVENT_ID_STARTED 1 /* value[0]: table_crc */
+#define POLHODE_EVENT_ID_TARGET_ACQUIRED 2 /* value[0]: landmarks, value[1]: keyframes */
+#define POLHODE_EVENT_ID_TARGET_LOST 3 /* value[0]: poses */
+#define POLHODE_EVENT_ID_TARGET_FOUND_AGAIN 4 /* value[0]: frames */
+#define POLHODE_EVENT_ID_TARGET_FRAME_NEW 11 /* value[0]: frames, value[1]: target_frame */
+#define POLHODE_EVENT_ID_MOTION_CHANGED 12 /* value[0]: before (model.dynamics), value[1]: now (model.dynamics) */
+#define POLHODE_EVENT_ID_STAMPS_DOUBTED 13 /* value[0]: shortest_s (s), value[1]: longest_s (s) */
+#define POLHODE_EVENT_ID_RATE_IMPLAUSIBLE 14 /* value[0]: rate_deg_s (deg/s) */
+#define POLHODE_EVENT_ID_TABLE_DAMAGED 15 /* value[0]: entries, value[1]: reset (0 .. 1) */
+#define POLHODE_EVENT_ID_LOOP_CLOSED 5 /* value[0]: loops */
+#define POLHODE_EVENT_ID_SCALE_KNOWN 6 /* value[0]: metres_per_mu (m/map unit, 0 .. inf), value[1]: relative_sigma (0 .. inf) */
+#define POLHODE_EVENT_ID_SCALE_UNKNOWN 16 /* value[0]: metres_per_mu (m/map unit, 0 .. inf), value[1]: number */
+#define POLHODE_EVENT_ID_FOCAL_LENGTH_DOUBTED 18 /* value[0]: stated_px (px), value[1]: fits_px (px) */
+#define POLHODE_EVENT_ID_CAMERA_CONTRADICTED 19 /* value[0]: fits, value[1]: sigma_or_v */
+#define POLHODE_EVENT_ID_SCALE_NOT_IMPROVED 17 /* value[0]: relative_sigma (0 .. inf), value[1]: keyframes */
+#define POLHODE_EVENT_ID_TABLE_FULL 7 /* value[0]: times */
+#define POLHODE_EVENT_ID_SHAPE_KNOWN 8 /* value[0]: points, value[1]: planes */
 #define POLHODE_EVENT_ID_COUNTERS_RESET 10
-#define POLHODE_EVENT_ID_MODE_CHANGED 9
-#define POLHODE_EVENT_ID_FRAME_UNREADABLE 20
-#define POLHODE_EVENT_ID_FRAME_DARK 21
-#define POLHODE_EVENT_ID_FRAME_WRONG_SIZE 22
-#define POLHODE_EVENT_ID_FRAME_TIME_NOT_INCREASING 23
-#define POLHODE_EVENT_ID_FRAME_FLAT 24
-#define POLHODE_EVENT_ID_FRAME_SATURATED 25
-#define POLHODE_EVENT_ID_FRAME_FROZEN 26
-#define POLHODE_EVENT_ID_FRAME_TORN 27
-#define POLHODE_EVENT_ID_FRAME_BIT_ERRORS 28
-#define POLHODE_EVENT_ID_FRAME_WITH_CARE 29
+#define POLHODE_EVENT_ID_MODE_CHANGED 9 /* value[0]: before (motion.mode), value[1]: now (motion.mode) */
+#define POLHODE_EVENT_ID_FRAME_UNREADABLE 20 /* value[0]: frame */
+#define POLHODE_EVENT_ID_FRAME_DARK 21 /* value[0]: frame, value[1]: bright_level (0 .. 1) */
+#define POLHODE_EVENT_ID_FRAME_WRONG_SIZE 22 /* value[0]: frame */
+#define POLHODE_EVENT_ID_FRAME_TIME_NOT_INCREASING 23 /* value[0]: frame */
+#define POLHODE_EVENT_ID_FRAME_FLAT 24 /* value[0]: frame, value[1]: contrast (0 .. 1) */
+#define POLHODE_EVENT_ID_FRAME_SATURATED 25 /* value[0]: frame, value[1]: fraction (0 .. 1) */
+#define POLHODE_EVENT_ID_FRAME_FROZEN 26 /* value[0]: frame, value[1]: repeated_rows */
+#define POLHODE_EVENT_ID_FRAME_TORN 27 /* value[0]: frame, value[1]: repeated_rows */
+#define POLHODE_EVENT_ID_FRAME_BIT_ERRORS 28 /* value[0]: frame, value[1]: traces */
+#define POLHODE_EVENT_ID_FRAME_WITH_CARE 29 /* value[0]: frame, value[1]: fault (faults) */
 #define POLHODE_EVENT_ID_NOOP 40
-#define POLHODE_EVENT_ID_COMMAND_ACCEPTED 41
-#define POLHODE_EVENT_ID_COMMAND_LENGTH 42
+#define POLHODE_EVENT_ID_COMMAND_ACCEPTED 41 /* value[0]: command (commands) */
+#define POLHODE_EVENT_ID_COMMAND_LENGTH 42 /* value[0]: octets, value[1]: expected */
 #define POLHODE_EVENT_ID_COMMAND_HEADER 43
-#define POLHODE_EVENT_ID_COMMAND_CRC 44
-#define POLHODE_EVENT_ID_COMMAND_UNKNOWN 45
-#define POLHODE_EVENT_ID_COMMAND_RANGE 46
-#define POLHODE_EVENT_ID_COMMAND_STATE 47
-#define POLHODE_EVENT_ID_COMMAND_TOO_MANY 48
-#define POLHODE_EVENT_ID_COMMAND_REPEATED 49
-#define POLHODE_EVENT_ID_TABLE_LOADED 60
-#define POLHODE_EVENT_ID_TABLE_REFUSED 61
-#define POLHODE_EVENT_ID_TABLE_ACTIVATED 62
+#define POLHODE_EVENT_ID_COMMAND_CRC 44 /* value[0]: octets */
+#define POLHODE_EVENT_ID_COMMAND_UNKNOWN 45 /* value[0]: code */
+#define POLHODE_EVENT_ID_COMMAND_RANGE 46 /* value[0]: command (commands) */
+#define POLHODE_EVENT_ID_COMMAND_STATE 47 /* value[0]: command (commands) */
+#define POLHODE_EVENT_ID_COMMAND_TOO_MANY 48 /* value[0]: beyond, value[1]: limit */
+#define POLHODE_EVENT_ID_COMMAND_REPEATED 49 /* value[0]: command (commands), value[1]: sequence (0 .. 16383) */
+#define POLHODE_EVENT_ID_TABLE_LOADED 60 /* value[0]: entries, value[1]: in_all */
+#define POLHODE_EVENT_ID_TABLE_REFUSED 61 /* value[0]: entry */
+#define POLHODE_EVENT_ID_TABLE_ACTIVATED 62 /* value[0]: crc */
 #define POLHODE_EVENT_ID_TABLE_NOT_ACTIVATED 63
-#define POLHODE_EVENT_ID_CLOUD_BEGUN 70
-#define POLHODE_EVENT_ID_CHECKPOINT_ASKED 71
+#define POLHODE_EVENT_ID_CLOUD_BEGUN 70 /* value[0]: points, value[1]: packets */
+#define POLHODE_EVENT_ID_CHECKPOINT_ASKED 71 /* value[0]: frame */
 /* Something happened. The id alone states what; the text is for people. */
 struct polhode_event {
   int64_t timestamp_ns; /* time of the frame; ns */
-  double value[2]; /* the event's numbers, in the order of its text */
+  double value[2]; /* the event's numbers, in the order of its arguments */
   uint32_t frame; /* index of the frame */
   uint32_t occurrences; /* events of this id since start or RESET_COUNTERS, this one and suppressed ones included */
   uint32_t suppressed; /* events of this id suppressed since the last one that was sent */

@@ -8,9 +8,9 @@
 """
 
 from .commands import CommandSender, make_command, make_table_activate, make_table_load
-from .decode import Packet, crc16, decode, header_of, name_of, words_of
+from .decode import Packet, crc16, decode, header_of, name_of, numbers_of, words_of
 from .signing import next_number, read_key, sign
 from .sources import Bus, open_bus
 
 __all__ = ["Bus", "CommandSender", "Packet", "crc16", "decode", "header_of", "make_command", "make_table_activate",
-           "make_table_load", "name_of", "next_number", "open_bus", "read_key", "sign", "words_of"]
+           "make_table_load", "name_of", "next_number", "numbers_of", "open_bus", "read_key", "sign", "words_of"]

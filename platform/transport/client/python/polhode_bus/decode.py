@@ -48,8 +48,14 @@ def name_of(packet: Packet, field: str) -> str:
 
 def words_of(event: Packet) -> str:
     """What the codes among an event's numbers mean, as in "IDLE to ACQUIRING"; empty where there are none."""
-    _, _, codes = EVENTS.get(event.id, ("", "", ("", "")))
-    return " to ".join(CODES[of].get(value, "unknown") for of, value in zip(codes, event.value) if of)
+    _, _, numbers = EVENTS.get(event.id, ("", "", []))
+    return " to ".join(CODES[of].get(value, "unknown") for (_, _, of), value in zip(numbers, event.value) if of)
+
+
+def numbers_of(event: Packet) -> dict[str, float]:
+    """An event's numbers by their names; an unknown event has none."""
+    _, _, numbers = EVENTS.get(event.id, ("", "", []))
+    return {name: value for (name, _, _), value in zip(numbers, event.value)}
 
 
 def header_of(octets: bytes) -> Header | None:
