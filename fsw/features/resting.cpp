@@ -66,7 +66,7 @@ void leave_out_resting(RestingPlaces* resting, Features* features) {
   resting->places.resize(kept);
 }
 
-bool is_sound(const RestingPlaces& resting) {
+bool is_valid(const RestingPlaces& resting) {
   return resting.places.size() <= resting.places.capacity() &&
          std::all_of(resting.places.begin(), resting.places.end(), [](const RestingPlace& place) {
            return place.credit > 0 && place.credit <= kCreditMost;

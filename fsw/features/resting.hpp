@@ -33,6 +33,6 @@ void add_place(float u_px, float v_px, RestingPlaces* resting);
 void leave_out_resting(RestingPlaces* resting, Features* features);
 
 /// Whether sizes and credits are such as they are made, as long as no bit has flipped in memory.
-[[nodiscard]] bool is_sound(const RestingPlaces& resting);
+[[nodiscard]] bool is_valid(const RestingPlaces& resting);
 
 }  // namespace polhode

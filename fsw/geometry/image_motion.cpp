@@ -8,7 +8,7 @@
 #include "base/assert.hpp"
 #include "base/fixed_vector.hpp"
 #include "base/median.hpp"
-#include "base/sound.hpp"
+#include "base/validity.hpp"
 #include "config/limits.hpp"
 
 namespace polhode {
@@ -85,7 +85,7 @@ ImageMotion fit_image_motion(std::span<const MovingPoint> points) {
     }
     scale = median(distances.view());
   }
-  return sound::is_bounded(motion.coefficients_per_s) ? motion : ImageMotion{};
+  return validity::is_bounded(motion.coefficients_per_s) ? motion : ImageMotion{};
 }
 
 double row_delay_s(const CameraModel& camera, double v_px) {

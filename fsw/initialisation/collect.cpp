@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "base/sound.hpp"
+#include "base/validity.hpp"
 #include "initialisation/row_times.hpp"
 
 namespace polhode {
@@ -117,8 +117,8 @@ void clear(InitialisationState* state) {
   state->since_asked = 0;
 }
 
-bool is_sound(const InitialisationState& state) {
-  return sound::is_bool(state.asked_short) && is_sound(state.tracks);
+bool is_valid(const InitialisationState& state) {
+  return validity::is_bool(state.asked_short) && is_valid(state.tracks);
 }
 
 Collected collect_frame(const CollectibleFrame& frame,

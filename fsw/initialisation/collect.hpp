@@ -23,7 +23,7 @@ struct InitialisationState {
 void clear(InitialisationState* state);
 
 /// Whether indices and sizes are within their tables, as long as no bit has flipped in memory.
-bool is_sound(const InitialisationState& state);
+bool is_valid(const InitialisationState& state);
 
 /// A frame whose features are on the target.
 struct CollectibleFrame {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "base/crc.hpp"
-#include "base/sound.hpp"
+#include "base/validity.hpp"
 #include "base/time_doubt.hpp"
 #include "bus/commands.hpp"
 #include "bus/dynamics_telemetry.hpp"
@@ -80,7 +80,7 @@ Outcome set_range(const Command& command, Component::State* s) {
 Outcome servicer_attitude(const Command& command, Component::State* s) {
   const auto told = command.arguments<bus::ServicerAttitudeCommand>();
   ServicerAttitude& servicer = s->bus.servicer;
-  if (!sound::is_time(told.timestamp_ns)) {
+  if (!validity::is_time(told.timestamp_ns)) {
     return "time is beyond the year 2116";
   }
   if (servicer.known && told.timestamp_ns <= servicer.timestamp_ns &&

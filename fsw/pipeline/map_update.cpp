@@ -4,7 +4,7 @@
 
 #include "geometry/so3.hpp"
 #include "map/grow.hpp"
-#include "map/soundness.hpp"
+#include "map/validity.hpp"
 #include "map/update.hpp"
 #include "motion/disturbance.hpp"
 #include "pipeline/adjustment.hpp"
@@ -36,7 +36,7 @@ MapCorrection take_over(Component::State* s) {
   // Meanwhile the motion that the poses were bound to may have ended.
   const bool bound = job.as_free_body && job.model.accepted();
   const bool ended = bound && (job.model_unwanted || s->motion.departures > 0);
-  const bool usable = job.usable && !ended && is_sound(job.snapshot);
+  const bool usable = job.usable && !ended && is_valid(job.snapshot);
   if (ended) {  // all of the map is adjusted anew, its poses free
     s->mapping.growth.any = true;
     s->mapping.last_adjustment_of_all = {};
@@ -113,7 +113,7 @@ void prepare_test(Component::State* s) {
   const bool due = next >= std::max(kKeyframesMin, 2 * s->camera.next_keyframe);
   if (due && job.of_all && job.usable && !is_out_with<CameraJob>(s->jobs.shape) &&
       s->steps_to_shed == 0 && has_work_beside(s->configuration.parameters.jobs) &&
-      is_sound(job.snapshot)) {
+      is_valid(job.snapshot)) {
     const MapMotions motions = motions_of(job.snapshot);
     prepare_camera_test(camera_problem_of(motions, s->configuration.camera, &job.snapshot),
                         &s->jobs.camera);

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/sound.hpp"
+#include "base/validity.hpp"
 
 namespace polhode {
 namespace {
@@ -146,7 +146,7 @@ CameraFinding joined(const CameraFinding& earlier, const CameraFinding& later) {
   return held;
 }
 
-bool is_sound(const CameraFinding& found) {
+bool is_valid(const CameraFinding& found) {
   for (const Kind& kind : kKinds) {
     const auto* first = &found.contradicted[static_cast<std::size_t>(kind.first)];
     const auto alike = std::count(first, first + kind.count, *first);
@@ -154,10 +154,10 @@ bool is_sound(const CameraFinding& found) {
       return false;
     }
   }
-  return sound::is_bounded(found.value) && sound::is_bounded(found.sigma) &&
-         sound::is_bounded(std::exp(found.value.head<3>().cwiseAbs().maxCoeff())) &&
-         found.sigma.minCoeff() >= 0.0 && sound::is_at_least(found.rates.turn_rad_s, 0.0) &&
-         sound::is_at_least(found.rates.shift_s, 0.0);
+  return validity::is_bounded(found.value) && validity::is_bounded(found.sigma) &&
+         validity::is_bounded(std::exp(found.value.head<3>().cwiseAbs().maxCoeff())) &&
+         found.sigma.minCoeff() >= 0.0 && validity::is_at_least(found.rates.turn_rad_s, 0.0) &&
+         validity::is_at_least(found.rates.shift_s, 0.0);
 }
 
 DeviationText describe(Deviation deviation, const CameraFinding& found, const CameraModel& c) {

@@ -42,7 +42,7 @@ CameraFinding find_deviations(const CameraFit& fit);
 CameraFinding joined(const CameraFinding& earlier, const CameraFinding& later);
 
 /// Are all numbers such as a test finds? Not where memory was damaged.
-[[nodiscard]] bool is_sound(const CameraFinding& found);
+[[nodiscard]] bool is_valid(const CameraFinding& found);
 
 /// A deviation for people.
 struct DeviationText {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "base/median.hpp"
-#include "base/sound.hpp"
+#include "base/validity.hpp"
 #include "tracks/associate.hpp"
 
 namespace polhode {
@@ -230,7 +230,7 @@ void add_frame(std::uint32_t frame,
   }
 }
 
-bool is_sound(const TrackTable& table) {
+bool is_valid(const TrackTable& table) {
   const auto in = [](std::int32_t index, std::size_t size) {
     return index >= 0 && static_cast<std::size_t>(index) < size;
   };
@@ -245,7 +245,7 @@ bool is_sound(const TrackTable& table) {
     }
     for (std::size_t i = 0; i < features.size(); ++i) {
       const std::int32_t track = table.track_of[f][i];
-      if (!sound::is_bounded(features[i].normalised) ||
+      if (!validity::is_bounded(features[i].normalised) ||
           (track != -1 && !in(track, table.tracks.size()))) {
         return false;
       }

@@ -71,6 +71,6 @@ void drop_resting_tracks(TrackTable* table, RestingPlaces* resting);
 void clear(TrackTable* table);
 
 /// Sizes and indices within the tables, as long as no bit has flipped in memory.
-bool is_sound(const TrackTable& table);
+bool is_valid(const TrackTable& table);
 
 }  // namespace polhode

@@ -28,10 +28,10 @@ CheckpointWriter::~CheckpointWriter() {
 }
 
 void CheckpointWriter::offer(const Component& component, const Moment& stepped) {
-  const bool sound = may_be_saved(component);
+  const bool validity = may_be_saved(component);
   {
     const std::lock_guard lock(mutex_);
-    if (waiting_ > 0 || !sound) {
+    if (waiting_ > 0 || !validity) {
       ++counters_.skipped;
       return;
     }

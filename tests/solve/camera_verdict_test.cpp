@@ -128,12 +128,12 @@ TEST(CameraVerdict, ALaterContradictionIsHeldAlone) {
 TEST(CameraVerdict, IsSoundAsItIsFound_AndNotDamaged) {
   const CameraFinding found = find_deviations(fit_of(Deviation::kPrincipalU, 0.05, 0.01));
   ASSERT_TRUE(found.any());
-  EXPECT_TRUE(is_sound(found));
-  EXPECT_TRUE(is_sound(CameraFinding{}));
+  EXPECT_TRUE(is_valid(found));
+  EXPECT_TRUE(is_valid(CameraFinding{}));
   const auto is_sound_after = [&](const auto& damage) {
     CameraFinding damaged = found;
     damage(&damaged);
-    return is_sound(damaged);
+    return is_valid(damaged);
   };
   EXPECT_FALSE(is_sound_after([](CameraFinding* f) { f->value[2] = 1e200; }));
   EXPECT_FALSE(is_sound_after([](CameraFinding* f) { f->value[0] = -1000.0; })) << "no factor";

@@ -237,16 +237,16 @@ TEST(TrackTable, IsEmptyAgain_AfterClear) {
 
 TEST(TrackTable, IsSound_UntilAnIndexOrAPlaceIsDamaged) {
   TrackedSpots f;
-  EXPECT_TRUE(is_sound(*f.table)) << "empty";
+  EXPECT_TRUE(is_valid(*f.table)) << "empty";
   f.add(range(0, 12));
   f.add(range(0, 10));
   TrackTable& table = *f.table;
   ASSERT_EQ(table.tracks.size(), 10U);
-  EXPECT_TRUE(is_sound(table));
+  EXPECT_TRUE(is_valid(table));
   const auto expect_refused = [&](auto* value, double spoilt) {
     const auto good = *value;
     *value = static_cast<std::remove_const_t<decltype(good)>>(spoilt);
-    EXPECT_FALSE(is_sound(table)) << spoilt;
+    EXPECT_FALSE(is_valid(table)) << spoilt;
     *value = good;
   };
   for (const double index : {-2.0, 12.0}) {
@@ -258,7 +258,7 @@ TEST(TrackTable, IsSound_UntilAnIndexOrAPlaceIsDamaged) {
     expect_refused(&table.frames[0].features[11].normalised.x(), place);
   }
   table.track_of[1][10] = 77;  // of a feature that the frame does not have: never read
-  EXPECT_TRUE(is_sound(table));
+  EXPECT_TRUE(is_valid(table));
 }
 
 }  // namespace

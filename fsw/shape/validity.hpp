@@ -7,11 +7,11 @@
 
 namespace polhode {
 
-bool is_sound(const KnownBody& body);
+bool is_valid(const KnownBody& body);
 
 /// Counts within their tables, numbers finite, axes unit, kinds that exist.
-bool is_sound(const ShapeState& shape);
+bool is_valid(const ShapeState& shape);
 
-bool is_sound(const ScaleState& scale);
+bool is_valid(const ScaleState& scale);
 
 }  // namespace polhode

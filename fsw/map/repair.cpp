@@ -1,10 +1,10 @@
-#include "map/mend.hpp"
+#include "map/repair.hpp"
 
 #include <algorithm>
 #include <array>
 
-#include "base/sound.hpp"
-#include "map/soundness.hpp"
+#include "base/validity.hpp"
+#include "map/validity.hpp"
 
 namespace polhode {
 namespace {
@@ -15,12 +15,12 @@ constexpr int kLandmarksMin = 12;
 
 /// @return flags put right.
 template <typename Table>
-std::uint32_t mend_flags(Table* table) {
-  std::uint32_t mended = 0;
+std::uint32_t repair_flags(Table* table) {
+  std::uint32_t repaired = 0;
   for (auto& slot : *table) {
-    mended += sound::mend(&slot.used) ? 1 : 0;
+    repaired += validity::repair(&slot.used) ? 1 : 0;
   }
-  return mended;
+  return repaired;
 }
 
 template <typename Table>
@@ -32,7 +32,7 @@ bool used_are_counted(const Table& table, std::int32_t count) {
 std::uint32_t drop_keyframes(std::int64_t now_ns, Map* map) {
   std::uint32_t dropped = 0;
   for (Keyframe& keyframe : map->keyframes) {
-    if (keyframe.used && !head_is_sound(keyframe, *map, now_ns)) {
+    if (keyframe.used && !head_is_valid(keyframe, *map, now_ns)) {
       keyframe.used = false;
       --map->keyframe_count;
       ++dropped;
@@ -47,11 +47,11 @@ std::uint32_t drop_landmarks(Map* map) {
     if (!landmark.used) {
       continue;
     }
-    if (!head_is_sound(landmark, *map)) {
+    if (!head_is_valid(landmark, *map)) {
       landmark.used = false;
       --map->landmark_count;
       ++dropped;
-    } else if (!views_are_sound(landmark, *map)) {
+    } else if (!views_are_valid(landmark, *map)) {
       landmark.views.clear();
       landmark.observations_changed = true;
       ++dropped;
@@ -66,7 +66,7 @@ std::uint32_t blank_features(const CameraModel& camera, Map* map) {
   std::uint32_t blanked = 0;
   for (Keyframe& keyframe : map->keyframes) {
     for (std::size_t i = 0; keyframe.used && i < keyframe.features.size(); ++i) {
-      if (!is_sound(keyframe.features[i], camera)) {
+      if (!is_valid(keyframe.features[i], camera)) {
         keyframe.features[i] = blank;
         keyframe.landmark_of[i] = {};
         ++blanked;
@@ -76,11 +76,11 @@ std::uint32_t blank_features(const CameraModel& camera, Map* map) {
   return blanked;
 }
 
-std::uint32_t drop_ties(Map* map) {
+std::uint32_t drop_associations(Map* map) {
   std::uint32_t dropped = 0;
   for (Keyframe& keyframe : map->keyframes) {
     for (std::size_t i = 0; keyframe.used && i < keyframe.features.size(); ++i) {
-      if (!tie_is_sound(keyframe.landmark_of[i], *map)) {
+      if (!association_is_valid(keyframe.landmark_of[i], *map)) {
         keyframe.landmark_of[i] = {};
         ++dropped;
       }
@@ -91,60 +91,60 @@ std::uint32_t drop_ties(Map* map) {
 
 /// Landmarks that fewer than two keyframes still see go.
 std::uint32_t count_observations(Map* map) {
-  std::array<std::int32_t, limits::kLandmarks> ties{};
+  std::array<std::int32_t, limits::kLandmarks> counts{};
   for (const Keyframe& keyframe : map->keyframes) {
     for (std::size_t i = 0; keyframe.used && i < keyframe.features.size(); ++i) {
       if (keyframe.landmark_of[i].valid()) {
-        ++ties[keyframe.landmark_of[i].index()];
+        ++counts[keyframe.landmark_of[i].index()];
       }
     }
   }
-  std::uint32_t mended = 0;
+  std::uint32_t repaired = 0;
   for (std::size_t i = 0; i < map->landmarks.size(); ++i) {
     Landmark& landmark = map->landmarks[i];
-    if (!landmark.used || landmark.observations == ties[i]) {
+    if (!landmark.used || landmark.observations == counts[i]) {
       continue;
     }
-    landmark.observations = ties[i];
+    landmark.observations = counts[i];
     landmark.observations_changed = true;
-    ++mended;
-    if (ties[i] < 2) {
+    ++repaired;
+    if (counts[i] < 2) {
       landmark.used = false;
       --map->landmark_count;
     }
   }
-  return mended;
+  return repaired;
 }
 
 }  // namespace
 
-Mended mend(const CameraModel& camera, std::int64_t now_ns, Map* map) {
-  if (is_sound(*map, camera, now_ns)) {
+Repair repair(const CameraModel& camera, std::int64_t now_ns, Map* map) {
+  if (is_valid(*map, camera, now_ns)) {
     return {};
   }
-  Mended mended{.entries = mend_flags(&map->keyframes) + mend_flags(&map->landmarks)};
+  Repair repaired{.entries = repair_flags(&map->keyframes) + repair_flags(&map->landmarks)};
   const bool counted = used_are_counted(map->keyframes, map->keyframe_count) &&
                        used_are_counted(map->landmarks, map->landmark_count);
   if (counted) {
-    mended.entries += drop_keyframes(now_ns, map) + drop_landmarks(map);
-    mended.entries += blank_features(camera, map) + drop_ties(map);
-    mended.entries += count_observations(map);
-    mended.entries += drop_ties(map);  // to landmarks that have just gone
+    repaired.entries += drop_keyframes(now_ns, map) + drop_landmarks(map);
+    repaired.entries += blank_features(camera, map) + drop_associations(map);
+    repaired.entries += count_observations(map);
+    repaired.entries += drop_associations(map);  // to landmarks that have just gone
     map->landmark_free_from = 0;
     if (map->keyframe_count >= kKeyframesMin && map->landmark_count >= kLandmarksMin) {
       refresh_landmarks(map, camera);
     }
-    mended.entries = std::max(mended.entries, 1U);  // the extent, where nothing else was damaged
+    repaired.entries = std::max(repaired.entries, 1U);  // the extent, where nothing else was damaged
   }
-  mended.reset = !counted || map->keyframe_count < kKeyframesMin ||
-                 map->landmark_count < kLandmarksMin || !is_sound(*map, camera, now_ns);
-  if (mended.reset) {
+  repaired.reset = !counted || map->keyframe_count < kKeyframesMin ||
+                 map->landmark_count < kLandmarksMin || !is_valid(*map, camera, now_ns);
+  if (repaired.reset) {
     clear(map);
     map->next_landmark_number = std::max(map->next_landmark_number, 0);
     map->centre_T.setZero();
     map->radius_mu = 0.0;
   }
-  return mended;
+  return repaired;
 }
 
 }  // namespace polhode

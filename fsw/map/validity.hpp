@@ -15,23 +15,23 @@ namespace polhode {
 /// Indices within their tables and of used slots, counts as they are, numbers finite, rotations
 /// orthonormal, times not after `now_ns`.
 /// @cost  linear in keyframes' features and in landmarks.
-bool is_sound(const Map& map, const CameraModel& camera, std::int64_t now_ns);
+bool is_valid(const Map& map, const CameraModel& camera, std::int64_t now_ns);
 
-bool is_sound(const MapDrift& drift);
+bool is_valid(const MapDrift& drift);
 
 /// What optical flow follows from frame to frame.
-bool is_sound(const FlowReference& reference, const Map& map);
+bool is_valid(const FlowReference& reference, const Map& map);
 
 /// Indices of a part of the map that an adjustment works on, and of what it brings back.
-bool is_sound(const AdjustmentSnapshot& snapshot);
+bool is_valid(const AdjustmentSnapshot& snapshot);
 
 /// Parts of a map. A keyframe but for its features and their ties:
-bool head_is_sound(const Keyframe& keyframe, const Map& map, std::int64_t now_ns);
-bool is_sound(const Feature& feature, const CameraModel& camera);
+bool head_is_valid(const Keyframe& keyframe, const Map& map, std::int64_t now_ns);
+bool is_valid(const Feature& feature, const CameraModel& camera);
 /// No landmark, or a used slot of the map.
-bool tie_is_sound(LandmarkId landmark, const Map& map);
+bool association_is_valid(LandmarkId landmark, const Map& map);
 /// A landmark but for the number of its observations and its views:
-bool head_is_sound(const Landmark& landmark, const Map& map);
-bool views_are_sound(const Landmark& landmark, const Map& map);
+bool head_is_valid(const Landmark& landmark, const Map& map);
+bool views_are_valid(const Landmark& landmark, const Map& map);
 
 }  // namespace polhode

@@ -1,47 +1,47 @@
-#include "map/soundness.hpp"
+#include "map/validity.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "base/sound.hpp"
+#include "base/validity.hpp"
 
 namespace polhode {
 namespace {
 
-using sound::is_at_least;
-using sound::is_bool;
-using sound::is_bounded;
-using sound::is_covariance;
-using sound::is_past;
-using sound::is_rotation;
+using validity::is_at_least;
+using validity::is_bool;
+using validity::is_bounded;
+using validity::is_covariance;
+using validity::is_past;
+using validity::is_rotation;
 
-using Ties = std::array<std::int32_t, limits::kLandmarks>;
+using AssociationCounts = std::array<std::int32_t, limits::kLandmarks>;
 
-bool is_sound(const Pose& pose) { return is_rotation(pose.R_CT) && is_bounded(pose.p_CT); }
+bool is_valid(const Pose& pose) { return is_rotation(pose.R_CT) && is_bounded(pose.p_CT); }
 
 /// Counts the keyframe's ties to each landmark.
-bool is_sound(const Keyframe& keyframe,
+bool is_valid(const Keyframe& keyframe,
               const Map& map,
               const CameraModel& camera,
               std::int64_t now_ns,
-              Ties* ties) {
-  if (!head_is_sound(keyframe, map, now_ns)) {
+              AssociationCounts* counts) {
+  if (!head_is_valid(keyframe, map, now_ns)) {
     return false;
   }
   for (std::size_t i = 0; i < keyframe.features.size(); ++i) {
     const LandmarkId landmark = keyframe.landmark_of[i];
-    if (!is_sound(keyframe.features[i], camera) || !tie_is_sound(landmark, map)) {
+    if (!is_valid(keyframe.features[i], camera) || !association_is_valid(landmark, map)) {
       return false;
     }
     if (landmark.valid()) {
-      ++(*ties)[landmark.index()];
+      ++(*counts)[landmark.index()];
     }
   }
   return true;
 }
 
-bool is_sound(const LandmarkView& view, const Map& map) {
+bool is_valid(const LandmarkView& view, const Map& map) {
   const std::int32_t slot = view.keyframe.slot;
   return is_bounded(view.direction_T) && slot >= -1 &&
          slot < static_cast<std::int32_t>(map.keyframes.size()) && view.feature >= -1 &&
@@ -76,7 +76,7 @@ bool counts_are(const Table& table, std::int32_t count) {
 
 }  // namespace
 
-bool is_sound(const Feature& feature, const CameraModel& camera) {
+bool is_valid(const Feature& feature, const CameraModel& camera) {
   // Of a model from a nearer pass a keyframe lies beside the image, by as much as ranges differ.
   constexpr float kImages = 1024.0F;
   const auto near = [](float pixel, int side_px) {
@@ -89,19 +89,19 @@ bool is_sound(const Feature& feature, const CameraModel& camera) {
          is_bounded(static_cast<double>(feature.angle_rad));
 }
 
-bool tie_is_sound(LandmarkId landmark, const Map& map) {
+bool association_is_valid(LandmarkId landmark, const Map& map) {
   return landmark.slot == -1 || (landmark.slot >= 0 && landmark.index() < map.landmarks.size() &&
                                  map.landmarks[landmark.index()].used);
 }
 
-bool head_is_sound(const Keyframe& keyframe, const Map& map, std::int64_t now_ns) {
+bool head_is_valid(const Keyframe& keyframe, const Map& map, std::int64_t now_ns) {
   return keyframe.number < map.next_keyframe_number && is_past(keyframe.timestamp_ns, now_ns) &&
-         is_rotation(keyframe.R_IC) && is_sound(keyframe.pose) && is_before_camera(keyframe.pose) &&
-         is_sound(keyframe.refreshed_pose) &&
+         is_rotation(keyframe.R_IC) && is_valid(keyframe.pose) && is_before_camera(keyframe.pose) &&
+         is_valid(keyframe.refreshed_pose) &&
          keyframe.features.size() <= keyframe.features.capacity();
 }
 
-bool head_is_sound(const Landmark& landmark, const Map& map) {
+bool head_is_valid(const Landmark& landmark, const Map& map) {
   const bool counted = landmark.number >= 0 && landmark.number < map.next_landmark_number &&
                        landmark.found >= 0 && landmark.predicted >= 0 &&
                        landmark.created_keyframe < map.next_keyframe_number &&
@@ -112,46 +112,46 @@ bool head_is_sound(const Landmark& landmark, const Map& map) {
          is_bounded(landmark.refreshed_p_T);
 }
 
-bool views_are_sound(const Landmark& landmark, const Map& map) {
+bool views_are_valid(const Landmark& landmark, const Map& map) {
   return landmark.views.size() <= landmark.views.capacity() &&
          std::all_of(landmark.views.begin(), landmark.views.end(), [&](const LandmarkView& view) {
-           return is_sound(view, map);
+           return is_valid(view, map);
          });
 }
 
-bool is_sound(const Map& map, const CameraModel& camera, std::int64_t now_ns) {
+bool is_valid(const Map& map, const CameraModel& camera, std::int64_t now_ns) {
   if (!counts_are(map.keyframes, map.keyframe_count) ||
       !counts_are(map.landmarks, map.landmark_count) || !numbers_differ(map) ||
       map.next_landmark_number < 0 || map.landmark_free_from > map.landmarks.size() ||
       !is_bounded(map.centre_T) || !is_at_least(map.radius_mu, 0.0)) {
     return false;
   }
-  Ties ties{};
+  AssociationCounts counts{};
   for (const Keyframe& keyframe : map.keyframes) {
-    if (keyframe.used && !is_sound(keyframe, map, camera, now_ns, &ties)) {
+    if (keyframe.used && !is_valid(keyframe, map, camera, now_ns, &counts)) {
       return false;
     }
   }
   for (std::size_t i = 0; i < map.landmarks.size(); ++i) {
     const Landmark& landmark = map.landmarks[i];
-    if (landmark.used && (landmark.observations != ties[i] || !head_is_sound(landmark, map) ||
-                          !views_are_sound(landmark, map))) {
+    if (landmark.used && (landmark.observations != counts[i] || !head_is_valid(landmark, map) ||
+                          !views_are_valid(landmark, map))) {
       return false;
     }
   }
   return true;
 }
 
-bool is_sound(const MapDrift& drift) {
+bool is_valid(const MapDrift& drift) {
   return is_covariance(drift.walk) && is_covariance(drift.held) &&
          is_covariance(drift.reanchoring) && is_rotation(drift.R_first_CT) &&
          is_at_least(drift.start_turn_sigma, 0.0) && is_at_least(drift.start_sigma_mu, 0.0) &&
          is_at_least(drift.start_turn_rad, 0.0) && is_at_least(drift.turn_rad, 0.0);
 }
 
-bool is_sound(const FlowReference& reference, const Map& map) {
+bool is_valid(const FlowReference& reference, const Map& map) {
   const LandmarkMatches& points = reference.points;
-  return is_bool(reference.valid) && is_bool(reference.gray_to_come) && is_sound(reference.pose) &&
+  return is_bool(reference.valid) && is_bool(reference.gray_to_come) && is_valid(reference.pose) &&
          points.size() <= points.capacity() &&
          std::all_of(points.begin(), points.end(), [&](const LandmarkMatch& point) {
            return point.landmark.valid() && point.landmark.index() < map.landmarks.size() &&
@@ -160,7 +160,7 @@ bool is_sound(const FlowReference& reference, const Map& map) {
          });
 }
 
-bool is_sound(const AdjustmentSnapshot& snapshot) {
+bool is_valid(const AdjustmentSnapshot& snapshot) {
   const std::size_t poses = snapshot.poses.size();
   const std::size_t points = snapshot.points_T.size();
   const auto in = [](std::int32_t index, std::size_t count) {

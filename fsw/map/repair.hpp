@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "base/mended.hpp"
+#include "base/repair.hpp"
 #include "geometry/camera_model.hpp"
 #include "map/map.hpp"
 
@@ -12,7 +12,7 @@ namespace polhode {
 /// Nothing happens to a sound map. Of another one, keyframes, landmarks, ties and features that are
 /// not sound are dropped, and what follows from the rest is computed anew. Where the counts of
 /// slots do not fit, or too little is left to find a pose by, the map is cleared.
-/// @cost  is_sound(), and once or twice that for a damaged one.
-Mended mend(const CameraModel& camera, std::int64_t now_ns, Map* map);
+/// @cost  is_valid(), and once or twice that for a damaged one.
+Repair repair(const CameraModel& camera, std::int64_t now_ns, Map* map);
 
 }  // namespace polhode

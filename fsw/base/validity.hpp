@@ -1,5 +1,5 @@
 // Tests of values that may have been changed from outside: read from a file, or hit by a bit flip.
-// A value is sound when the rest of the program may compute with it.
+// A value is valid when the rest of the program may compute with it.
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -11,7 +11,7 @@
 #include <cstring>
 #include <type_traits>
 
-namespace polhode::sound {
+namespace polhode::validity {
 
 /// No number of a component is larger: products of a few of them stay finite.
 inline constexpr double kMagnitudeMax = 1e12;
@@ -32,7 +32,7 @@ inline bool is_bool(const bool& value) {
 
 /// A flag of which another bit than its lowest was hit is what its lowest bit says.
 /// @return whether it was put right.
-inline bool mend(bool* value) {
+inline bool repair(bool* value) {
   std::uint8_t octet = 0;
   std::memcpy(&octet, value, sizeof octet);
   if (octet <= 1) {
@@ -91,4 +91,4 @@ inline bool is_past(std::int64_t time_ns, std::int64_t now_ns) {
              static_cast<std::uint64_t>(kTimeMax_ns);
 }
 
-}  // namespace polhode::sound
+}  // namespace polhode::validity

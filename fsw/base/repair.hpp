@@ -5,7 +5,7 @@
 
 namespace polhode {
 
-struct Mended {
+struct Repair {
   std::uint32_t entries = 0;  ///< dropped, or put right
   bool reset = false;         ///< nothing of the table could be kept
   [[nodiscard]] bool any() const { return entries > 0 || reset; }
