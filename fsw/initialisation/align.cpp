@@ -27,7 +27,7 @@ constexpr double kSameSpot_px = 1.5;
 
 /// A track that is being aligned.
 struct Alignment {
-  const StartPictures& pictures;
+  const InitialImages& pictures;
   std::span<const TrackPlaces> places;
   std::size_t track = 0;
   std::size_t middle = 0;  ///< frame of the view that the others are registered to
@@ -60,8 +60,8 @@ std::optional<Spot> find_again(const Crop& crop,
 }
 
 /// The observation, moved to where the middle view is found; as it is where that says less.
-std::optional<StartObservation> aligned(const Alignment& a,
-                                        const StartObservation& detected,
+std::optional<InitialObservation> aligned(const Alignment& a,
+                                        const InitialObservation& detected,
                                         const PatchTemplate& patch) {
   const auto frame = static_cast<std::size_t>(detected.frame);
   const CameraModel& camera = a.pictures.camera;
@@ -73,7 +73,7 @@ std::optional<StartObservation> aligned(const Alignment& a,
   if (!spot) {
     return std::nullopt;
   }
-  StartObservation moved = detected;
+  InitialObservation moved = detected;
   const double sigma = to_normalised(spot->sigma_px, camera);
   if (sigma < detected.sigma_normalised) {
     moved.normalised += undistort(camera, spot->px) - undistort(camera, place_px);
@@ -98,7 +98,7 @@ bool is_taken(const Alignment& a, std::size_t frame, const Spot& spot, Alignment
 }
 
 /// The track in a frame that missed it.
-std::optional<StartObservation> followed(const Alignment& a,
+std::optional<InitialObservation> followed(const Alignment& a,
                                          std::size_t frame,
                                          AlignmentWorkspace* w) {
   const CameraModel& camera = a.pictures.camera;
@@ -114,17 +114,17 @@ std::optional<StartObservation> followed(const Alignment& a,
   if (!spot || is_taken(a, frame, *spot, w)) {
     return std::nullopt;
   }
-  return StartObservation{.frame = static_cast<int>(frame),
+  return InitialObservation{.frame = static_cast<int>(frame),
                           .normalised = undistort(camera, spot->px) + a.row_shift,
                           .sigma_normalised = to_normalised(spot->sigma_px, camera)};
 }
 
 /// The track in one frame, or nothing.
-std::optional<StartObservation> observe(const Alignment& a,
-                                        const StartTrack& track,
+std::optional<InitialObservation> observe(const Alignment& a,
+                                        const InitialTrack& track,
                                         std::size_t frame,
                                         AlignmentWorkspace* w) {
-  const StartObservation* const detected = find_frame(track, static_cast<int>(frame));
+  const InitialObservation* const detected = find_frame(track, static_cast<int>(frame));
   const Crop* const crop = a.pictures.crop(frame);
   if (crop == nullptr || crop->reduction != a.pictures.crop(a.middle)->reduction) {
     return detected != nullptr ? std::optional(*detected) : std::nullopt;
@@ -132,13 +132,13 @@ std::optional<StartObservation> observe(const Alignment& a,
   return detected != nullptr ? aligned(a, *detected, w->patch) : followed(a, frame, w);
 }
 
-void align_track(const StartPictures& pictures,
+void align_track(const InitialImages& pictures,
                  std::size_t frames,
-                 std::span<StartTrack> tracks,
+                 std::span<InitialTrack> tracks,
                  std::size_t t,
                  AlignmentWorkspace* w) {
-  StartTrack& track = tracks[t];
-  StartObservation middle = track.observations[track.observations.size() / 2];
+  InitialTrack& track = tracks[t];
+  InitialObservation middle = track.observations[track.observations.size() / 2];
   Alignment a{.pictures = pictures,
               .places = std::span(pictures.places).first(tracks.size()),
               .track = t,
@@ -154,7 +154,7 @@ void align_track(const StartPictures& pictures,
   middle.sigma_normalised =
       std::min(middle.sigma_normalised,
                to_normalised(reference->reduction * kViewSigma_px, pictures.camera));
-  std::array<std::optional<StartObservation>, limits::kStartFrames> found;
+  std::array<std::optional<InitialObservation>, limits::kInitialFrames> found;
   found[a.middle] = middle;
   int missed = 0;
   for (std::size_t f = a.middle; f-- > 0 && missed <= kGapMax;) {
@@ -167,7 +167,7 @@ void align_track(const StartPictures& pictures,
     missed = found[f] ? 0 : missed + 1;
   }
   track.observations.clear();
-  for (const std::optional<StartObservation>& o : found) {
+  for (const std::optional<InitialObservation>& o : found) {
     if (o) {
       (void)track.observations.push_back(*o);
     }
@@ -176,15 +176,15 @@ void align_track(const StartPictures& pictures,
 
 }  // namespace
 
-void align_tracks(const StartPictures& pictures,
+void align_tracks(const InitialImages& pictures,
                   std::size_t frames,
-                  std::span<StartTrack> tracks,
+                  std::span<InitialTrack> tracks,
                   AlignmentWorkspace* w) {
   std::fill(w->turns.begin(), w->turns.end(), Turn::kWaits);
   // The longest first: of two that show the same spot it is the one that stays. Alignment changes
   // lengths, so they are those of the detections.
-  FixedVector<std::size_t, limits::kStartTracks> lengths;
-  for (const StartTrack& track : tracks) {
+  FixedVector<std::size_t, limits::kInitialTracks> lengths;
+  for (const InitialTrack& track : tracks) {
     (void)lengths.push_back(track.observations.size());
   }
   for (std::size_t length = frames; length >= 2; --length) {

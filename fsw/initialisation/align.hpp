@@ -15,11 +15,11 @@
 namespace polhode {
 
 /// Pictures of a problem's frames, and where its tracks were detected in them.
-struct StartPictures {
+struct InitialImages {
   CameraModel camera;
   Crops crops;  ///< kept from problem to problem: copies of them would not fit
-  std::array<std::int8_t, limits::kStartFrames> crop_of{};  ///< by frame; -1: there is none
-  std::array<TrackPlaces, limits::kStartTracks> places;
+  std::array<std::int8_t, limits::kInitialFrames> crop_of{};  ///< by frame; -1: there is none
+  std::array<TrackPlaces, limits::kInitialTracks> places;
 
   /// nullptr where there is none.
   [[nodiscard]] const Crop* crop(std::size_t frame) const {
@@ -32,16 +32,16 @@ struct AlignmentWorkspace {
   enum class Turn : std::uint8_t { kWaits, kAligned, kSame };  ///< kSame: another has its spot
 
   PatchTemplate patch;
-  std::array<Turn, limits::kStartTracks> turns{};
+  std::array<Turn, limits::kInitialTracks> turns{};
 };
 
 /// Moves each observation to where the track's middle view is found again: what is aligned to one
 /// view does not drift. Follows tracks into frames that missed them, joins those that show the same
 /// spot, and drops observations that do not look alike. Observations without a picture stay.
 /// @cost  at most one registration for each track and frame.
-void align_tracks(const StartPictures& pictures,
+void align_tracks(const InitialImages& pictures,
                   std::size_t frames,
-                  std::span<StartTrack> tracks,
+                  std::span<InitialTrack> tracks,
                   AlignmentWorkspace* workspace);
 
 }  // namespace polhode

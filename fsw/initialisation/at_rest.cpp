@@ -10,11 +10,11 @@
 namespace polhode {
 namespace {
 
-Eigen::Matrix3d attitude_of_camera(const StartProblem& problem, std::size_t frame) {
+Eigen::Matrix3d attitude_of_camera(const InitialProblem& problem, std::size_t frame) {
   return problem.R_IC.empty() ? Eigen::Matrix3d::Identity() : problem.R_IC[frame];
 }
 
-std::size_t middle_of(const StartHypothesis& h) {
+std::size_t middle_of(const InitialHypothesis& h) {
   std::size_t middle = h.frames / 2;
   while (middle > 0 && h.posed[middle] == 0) {
     --middle;
@@ -23,9 +23,9 @@ std::size_t middle_of(const StartHypothesis& h) {
 }
 
 /// All attitudes follow from the one in the middle of the hypothesis' frames by a steady rate.
-void hold_attitude(const StartProblem& problem,
+void fix_attitude(const InitialProblem& problem,
                    const Eigen::Vector3d& rate_I_rad_s,
-                   StartHypothesis* h) {
+                   InitialHypothesis* h) {
   const std::size_t middle = middle_of(*h);
   const Eigen::Matrix3d R_IT = attitude_of_camera(problem, middle) * h->poses[middle].R_CT;
   for (std::size_t f = 0; f < h->frames; ++f) {
@@ -36,7 +36,7 @@ void hold_attitude(const StartProblem& problem,
 }
 
 // Rate, and (u, v, s) of each frame.
-constexpr int kSteadyUnknowns = 3 + 3 * static_cast<int>(limits::kStartFrames);
+constexpr int kSteadyUnknowns = 3 + 3 * static_cast<int>(limits::kInitialFrames);
 using SteadyVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kSteadyUnknowns, 1>;
 using SteadyMatrix =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kSteadyUnknowns, kSteadyUnknowns>;
@@ -45,9 +45,9 @@ using SteadyMatrix =
 /// there is none.
 Eigen::Vector3d step_of_rate(const Selection& c,
                              const Eigen::Vector3d& rate_I_rad_s,
-                             StartHypothesis* h) {
+                             InitialHypothesis* h) {
   constexpr double kDamping = 1e-6;  // relative; it holds the gauge
-  StartAdjustmentWorkspace& w = c.w.adjustment;
+  InitialAdjustmentWorkspace& w = c.w.adjustment;
   if (!reduced_camera_system(c.w.set.observations.view(), h->view(), selection_loss(c, 0), &w)) {
     return Eigen::Vector3d::Zero();
   }
@@ -85,14 +85,14 @@ Eigen::Vector3d step_of_rate(const Selection& c,
 }
 
 /// Lowest cost of a body that rotates steadily; `steady` comes at rest, and becomes it.
-double cost_of_steady(const Selection& free, const Selection& held, StartHypothesis* steady) {
+double cost_of_steady(const Selection& free, const Selection& held, InitialHypothesis* steady) {
   constexpr int kSteps = 4;  // each is followed by a whole adjustment; two or three settle
-  StartHypothesis& trial = free.w.finalists[0];
+  InitialHypothesis& trial = free.w.finalists[0];
   Eigen::Vector3d rate_I_rad_s = Eigen::Vector3d::Zero();
   for (int i = 0; i < kSteps; ++i) {
     trial = *steady;
     const Eigen::Vector3d next = rate_I_rad_s + step_of_rate(free, rate_I_rad_s, &trial);
-    hold_attitude(free.problem, next, &trial);
+    fix_attitude(free.problem, next, &trial);
     if (!refine_to_minimum(held, free.w.set.observations.view(), &trial) ||
         !(trial.fit.cost < steady->fit.cost)) {
       break;
@@ -106,12 +106,12 @@ double cost_of_steady(const Selection& free, const Selection& held, StartHypothe
 }  // namespace
 
 double compare_at_rest(Selection* c) {
-  StartHypothesis& winner = c->w.refined[0];
-  StartHypothesis& at_rest = c->w.at_rest;
+  InitialHypothesis& winner = c->w.refined[0];
+  InitialHypothesis& at_rest = c->w.at_rest;
   Selection held = *c;
-  held.rotations_held = true;
+  held.rotations_fixed = true;
   at_rest = winner;
-  hold_attitude(c->problem, Eigen::Vector3d::Zero(), &at_rest);
+  fix_attitude(c->problem, Eigen::Vector3d::Zero(), &at_rest);
   if (!refine_to_minimum(held, c->w.set.observations.view(), &at_rest)) {
     return -std::numeric_limits<double>::infinity();
   }
@@ -125,7 +125,7 @@ double compare_at_rest(Selection* c) {
   }
   // Free rotation has so many unknowns that much is forgiven to rest. A steady one has three.
   c->w.finalists.resize(2);
-  StartHypothesis& steady = c->w.finalists[1];
+  InitialHypothesis& steady = c->w.finalists[1];
   steady = at_rest;
   const double against_steady =
       kRotation * of_unknown -
@@ -134,7 +134,7 @@ double compare_at_rest(Selection* c) {
     return 0.0;
   }
   winner = at_rest;
-  c->rotations_held = true;
+  c->rotations_fixed = true;
   return evidence;
 }
 

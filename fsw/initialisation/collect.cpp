@@ -76,7 +76,7 @@ double sigma_factor(const TrackPoint& point) {
 }
 
 /// Tracks that reach the newest frames, by the frame they begin in.
-using BegunIn = std::array<std::size_t, limits::kStartFrames>;
+using BegunIn = std::array<std::size_t, limits::kInitialFrames>;
 
 BegunIn count_alive(const TrackTable& table) {
   const auto frames = static_cast<std::int32_t>(table.frames.size());
@@ -143,7 +143,7 @@ Collected collect_frame(const CollectibleFrame& frame,
   return collected;
 }
 
-bool wants_selection(const StartOptions& options, const InitialisationState& state) {
+bool wants_selection(const InitialisationOptions& options, const InitialisationState& state) {
   // A further frame of many says little, and a selection among many takes long. Chosen: under
   // twelve frames each new one asks.
   constexpr int kPart = 12;
@@ -152,11 +152,11 @@ bool wants_selection(const StartOptions& options, const InitialisationState& sta
 }
 
 void pose_problem(const CameraModel& camera,
-                  const StartOptions& options,
+                  const InitialisationOptions& options,
                   std::uint64_t seed,
                   InitialisationState* state,
-                  StartJob* job) {
-  static_assert(limits::kStartFrames <= 64);
+                  InitialisationJob* job) {
+  static_assert(limits::kInitialFrames <= 64);
   const TrackTable& table = state->tracks;
   state->since_asked = 0;
   const std::size_t first = first_spanned(table, options.frames_min);
@@ -176,7 +176,7 @@ void pose_problem(const CameraModel& camera,
         find_crop(table.frames[job->first_frame + i].frame, job->pictures.crops));
   }
   for (std::size_t t = 0; t < job->track_count; ++t) {
-    StartTrack& track = job->tracks[t];
+    InitialTrack& track = job->tracks[t];
     track.observations.clear();
     TrackPlaces& places = job->pictures.places[t];
     places.frames = 0;

@@ -7,7 +7,7 @@
 #include "features/detect.hpp"
 #include "geometry/camera_model.hpp"
 #include "initialisation/options.hpp"
-#include "initialisation/start_job.hpp"
+#include "initialisation/initialisation_job.hpp"
 #include "tracks/track_table.hpp"
 
 namespace polhode {
@@ -50,15 +50,15 @@ Collected collect_frame(const CollectibleFrame& frame,
                         RestingPlaces* resting);
 
 /// Is there enough that the last problem did not hold?
-bool wants_selection(const StartOptions& options, const InitialisationState& state);
+bool wants_selection(const InitialisationOptions& options, const InitialisationState& state);
 
 /// The tracks so far as a problem for hypothesis selection. In turns of the newest frames, as many
 /// as enough tracks span, and of all frames: the former decide as soon as a body has turned enough
 /// under the same features, the latter where features last too short for that.
 void pose_problem(const CameraModel& camera,
-                  const StartOptions& options,
+                  const InitialisationOptions& options,
                   std::uint64_t seed,
                   InitialisationState* state,
-                  StartJob* job);
+                  InitialisationJob* job);
 
 }  // namespace polhode

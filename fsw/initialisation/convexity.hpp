@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "solve/start_problem.hpp"
+#include "solve/initial_problem.hpp"
 
 namespace polhode {
 
@@ -12,6 +12,6 @@ namespace polhode {
 /// and broken boxes give the wrong sign.
 double convexity_cue(std::span<const TrackObservation> observations,
                      int frame,
-                     const StartGeometryView& geometry);
+                     const InitialGeometryView& geometry);
 
 }  // namespace polhode

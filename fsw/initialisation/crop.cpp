@@ -99,7 +99,7 @@ void keep_crop(const cv::Mat& gray,
   if (same >= 0) {
     crops->held[static_cast<std::size_t>(same)].width = 0;
   }
-  Crop& crop = crops->held[crops->taken++ % limits::kStartFrames];
+  Crop& crop = crops->held[crops->taken++ % limits::kInitialFrames];
   crop.frame = frame;
   take_crop(gray, features, &crop);
 }

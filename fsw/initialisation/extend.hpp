@@ -14,10 +14,10 @@ namespace polhode {
 bool pose_frame(std::span<const TrackObservation> observations,
                 std::span<const double> times_s,
                 int frame,
-                StartHypothesis* hypothesis);
+                InitialHypothesis* hypothesis);
 
 /// Points of the tracks that are not known yet and are seen in two posed frames or more.
-void add_points(std::span<const TrackObservation> observations, StartHypothesis* hypothesis);
+void add_points(std::span<const TrackObservation> observations, InitialHypothesis* hypothesis);
 
 /// Poses up to `rounds` frames on either side of those that are posed, adding points after each
 /// round.
@@ -25,6 +25,6 @@ void add_points(std::span<const TrackObservation> observations, StartHypothesis*
 bool extend(std::span<const TrackObservation> observations,
             std::span<const double> times_s,
             int rounds,
-            StartHypothesis* hypothesis);
+            InitialHypothesis* hypothesis);
 
 }  // namespace polhode

@@ -18,8 +18,8 @@ constexpr double kUnknownSigma = 1e300;
 
 /// Copies the winner's poses and triangulates all tracks. Tracks beyond the adjustment's capacity
 /// are skipped.
-void spread_to_all_tracks(const Selection& c, StartHypothesis* winner) {
-  StartWorkspace& w = c.w;
+void spread_to_all_tracks(const Selection& c, InitialHypothesis* winner) {
+  InitialWorkspace& w = c.w;
   w.observations.clear();
   std::copy(winner->poses.begin(), winner->poses.end(), w.poses.begin());
   std::copy(winner->posed.begin(), winner->posed.end(), w.posed.begin());
@@ -27,12 +27,12 @@ void spread_to_all_tracks(const Selection& c, StartHypothesis* winner) {
     w.known[i] = 0;
     const auto& observations = c.problem.tracks[i].observations;
     if (observations.size() < 2 || w.observations.size() + observations.size() >
-                                       StartAdjustmentWorkspace::kStartObservations) {
+                                       InitialAdjustmentWorkspace::kInitialObservations) {
       continue;
     }
     // One track at a time: the first slot of the hypothesis is the workspace of add_points().
-    FixedVector<TrackObservation, limits::kStartFrames> own;
-    for (const StartObservation& o : observations) {
+    FixedVector<TrackObservation, limits::kInitialFrames> own;
+    for (const InitialObservation& o : observations) {
       TrackObservation s{.frame = o.frame,
                          .track = 0,
                          .normalised = o.normalised,
@@ -55,7 +55,7 @@ void spread_to_all_tracks(const Selection& c, StartHypothesis* winner) {
   }
 }
 
-StartGeometryView all_tracks_view(const Selection& c) {
+InitialGeometryView all_tracks_view(const Selection& c) {
   const std::size_t frames = c.problem.times_s.size();
   const std::size_t tracks = c.problem.tracks.size();
   return {std::span(c.w.poses).first(frames),
@@ -65,9 +65,9 @@ StartGeometryView all_tracks_view(const Selection& c) {
 }
 
 /// Keeps the points that agree with at least two of their observations, and with half of them.
-void drop_wrong_tracks(const Selection& c, StartOutcome* out) {
+void drop_wrong_tracks(const Selection& c, InitialOutcome* out) {
   const double limit2 = kTruncation_sigmas * kTruncation_sigmas * c.sigma_scale * c.sigma_scale;
-  std::array<int, limits::kStartTracks> agree{};
+  std::array<int, limits::kInitialTracks> agree{};
   for (const TrackObservation& s : c.w.observations) {
     Eigen::Vector2d x;
     const auto track = static_cast<std::size_t>(s.track);
@@ -89,7 +89,7 @@ void drop_wrong_tracks(const Selection& c, StartOutcome* out) {
 /// @param tracks  only known ones count.
 template <typename Tracks>
 double median_depth_sigma(const Selection& c, const Tracks& tracks) {
-  FixedVector<double, limits::kStartTracks> sigma;
+  FixedVector<double, limits::kInitialTracks> sigma;
   for (const int track : tracks) {
     const auto i = static_cast<std::size_t>(track);
     if (c.w.known[i] != 0) {
@@ -101,26 +101,26 @@ double median_depth_sigma(const Selection& c, const Tracks& tracks) {
 
 }  // namespace
 
-void adjust_all_tracks(const Selection& c, StartOutcome* out) {
-  StartHypothesis winner = c.w.refined[0];
+void adjust_all_tracks(const Selection& c, InitialOutcome* out) {
+  InitialHypothesis winner = c.w.refined[0];
   spread_to_all_tracks(c, &winner);
-  const StartGeometryView view = all_tracks_view(c);
+  const InitialGeometryView view = all_tracks_view(c);
   out->points.resize(c.problem.tracks.size());
   out->frames.resize(c.problem.times_s.size());
   out->depth_sigma = out->selection_depth_sigma = kUnknownSigma;
   drop_wrong_tracks(c, out);
-  (void)adjust_start(
+  (void)adjust_initial(
       c.w.observations.view(), view, selection_loss(c, kIterations), &c.w.adjustment);
   drop_wrong_tracks(c, out);
   if (!normalise_gauge(view)) {
     return;
   }
   const std::span covariances = std::span(c.w.covariances).first(c.problem.tracks.size());
-  if (!start_point_covariances(
+  if (!initial_point_covariances(
           c.w.observations.view(), view, selection_loss(c, 0), covariances, &c.w.adjustment)) {
     return;
   }
-  FixedVector<int, limits::kStartTracks> all;
+  FixedVector<int, limits::kInitialTracks> all;
   all.resize(c.problem.tracks.size());
   std::iota(all.begin(), all.end(), 0);
   out->depth_sigma = median_depth_sigma(c, all);
@@ -128,14 +128,14 @@ void adjust_all_tracks(const Selection& c, StartOutcome* out) {
   // other tracks last three or four frames and know little of their own depth
   // (decision 0031).
   FixedVector<int, 2 * kCoreTracks> in_cores;
-  for (const StartCore& core : c.w.set.cores) {
+  for (const InitialCore& core : c.w.set.cores) {
     for (const int track : core.tracks) {
       (void)in_cores.push_back(c.w.set.tracks[static_cast<std::size_t>(track)]);
     }
   }
   out->selection_depth_sigma = median_depth_sigma(c, in_cores);
   for (std::size_t i = 0; i < out->points.size(); ++i) {
-    StartPoint& point = out->points[i];
+    InitialPoint& point = out->points[i];
     point.p_T = c.w.points_T[i];
     point.covariance_T = c.w.covariances[i];
     point.valid = c.w.known[i] != 0 && point.covariance_T.allFinite() &&

@@ -12,7 +12,7 @@
 #include "solve/constant_rate_grid.hpp"
 #include "solve/homography.hpp"
 #include "solve/relative_pose.hpp"
-#include "solve/start_adjustment.hpp"
+#include "solve/initial_adjustment.hpp"
 
 namespace polhode {
 namespace {
@@ -37,12 +37,12 @@ struct CoreImages {
   double sigma_normalised = 0.0;  ///< mean
 };
 
-std::size_t track_of(const StartCore& core, std::size_t column) {
+std::size_t track_of(const InitialCore& core, std::size_t column) {
   return static_cast<std::size_t>(core.tracks[column]);
 }
 
 CoreImages collect(const SeedProblem& problem) {
-  const StartCore& core = *problem.core;
+  const InitialCore& core = *problem.core;
   CoreImages images;
   double sigma = 0.0;
   int count = 0;
@@ -79,8 +79,8 @@ CoreImages collect(const SeedProblem& problem) {
   return images;
 }
 
-StartHypothesis empty_hypothesis(const SeedProblem& problem, HypothesisKind kind) {
-  StartHypothesis h;
+InitialHypothesis empty_hypothesis(const SeedProblem& problem, HypothesisKind kind) {
+  InitialHypothesis h;
   h.kind = kind;
   h.frames = problem.times_s.size();
   h.tracks = problem.selection_tracks;
@@ -94,8 +94,8 @@ void push_weak_perspective(const SeedProblem& problem,
                            std::span<const std::uint8_t> inlier,
                            const WeakPerspectiveMotion& motion,
                            HypothesisKind kind,
-                           StartHypotheses* seeds) {
-  const StartCore& core = *problem.core;
+                           InitialHypotheses* seeds) {
+  const InitialCore& core = *problem.core;
   const Eigen::Matrix3Xd points = weak_perspective_points(images.turned, inlier, motion);
   double extent2 = 0.0;
   double count = 0.0;
@@ -111,7 +111,7 @@ void push_weak_perspective(const SeedProblem& problem,
   }
   const Eigen::VectorXd means = images.turned.col(0) - centred(images.turned, inlier).col(0);
   const auto F = static_cast<Eigen::Index>(core.frames.size());
-  StartHypothesis h = empty_hypothesis(problem, kind);
+  InitialHypothesis h = empty_hypothesis(problem, kind);
   for (Eigen::Index f = 0; f < F; ++f) {
     const auto k = static_cast<std::size_t>(f);
     const auto frame = static_cast<std::size_t>(core.frames[k]);
@@ -134,8 +134,8 @@ void push_weak_perspective(const SeedProblem& problem,
 
 void seed_weak_perspective(const SeedProblem& problem,
                            const CoreImages& images,
-                           StartHypotheses* seeds) {
-  const StartCore& core = *problem.core;
+                           InitialHypotheses* seeds) {
+  const InitialCore& core = *problem.core;
   const AffineSubspace subspace =
       find_affine_subspace(images.turned, images.sigma_normalised, problem.seed);
   if (!subspace.valid) {
@@ -186,9 +186,9 @@ void push_two_view(const SeedProblem& problem,
                    const RelativePose& motion,
                    const PairDepths& depths,
                    HypothesisKind kind,
-                   StartHypotheses* seeds) {
-  const StartCore& core = *problem.core;
-  StartHypothesis h = empty_hypothesis(problem, kind);
+                   InitialHypotheses* seeds) {
+  const InitialCore& core = *problem.core;
+  InitialHypothesis h = empty_hypothesis(problem, kind);
   FixedVector<double, kCoreTracks> positive;
   for (std::size_t i = 0; i < core.tracks.size(); ++i) {
     if (depths.depth_a[i] > 0.0 && std::isfinite(depths.depth_a[i])) {
@@ -232,8 +232,8 @@ void push_two_view(const SeedProblem& problem,
 void seed_two_view(const SeedProblem& problem,
                    const CoreImages& images,
                    std::array<std::size_t, 2> pair,
-                   StartHypotheses* seeds) {
-  const StartCore& core = *problem.core;
+                   InitialHypotheses* seeds) {
+  const InitialCore& core = *problem.core;
   const std::span x_a = std::span(images.x[pair[0]]).first(core.tracks.size());
   const std::span x_b = std::span(images.x[pair[1]]).first(core.tracks.size());
   const TwoViewOptions options{.sigma_normalised = images.sigma_normalised,
@@ -262,7 +262,7 @@ void seed_two_view(const SeedProblem& problem,
 
 }  // namespace
 
-void seed_hypotheses(const SeedProblem& problem, StartHypotheses* seeds) {
+void seed_hypotheses(const SeedProblem& problem, InitialHypotheses* seeds) {
   POLHODE_ASSERT(problem.core->frames.size() >= 3, problem.core->frames.size());
   seeds->clear();
   const CoreImages images = collect(problem);
@@ -274,7 +274,7 @@ void seed_hypotheses(const SeedProblem& problem, StartHypotheses* seeds) {
   seed_two_view(problem, images, {0, (last + 1) / 2}, seeds);
 }
 
-bool same_geometry(const StartHypothesis& a, const StartHypothesis& b, double tolerance) {
+bool same_geometry(const InitialHypothesis& a, const InitialHypothesis& b, double tolerance) {
   FixedVector<double, limits::kSelectionTracks> apart;
   for (std::size_t i = 0; i < a.tracks; ++i) {
     if (a.known[i] != 0 && b.known[i] != 0) {

@@ -7,7 +7,7 @@
 
 #include "base/fixed_vector.hpp"
 #include "config/limits.hpp"
-#include "solve/start_problem.hpp"
+#include "solve/initial_problem.hpp"
 
 namespace polhode {
 
@@ -30,18 +30,18 @@ inline constexpr std::size_t kExtensionTracks = 2 * kCoreTracks;
 /// frames of eight.
 inline constexpr std::size_t kSelectionObservations = 3000;
 
-struct StartHypothesis {
+struct InitialHypothesis {
   HypothesisKind kind = HypothesisKind::kFivePoint;
   bool reversed = false;  ///< depth-reversed solution of what that kind found
   std::size_t frames = 0;
   std::size_t tracks = 0;
-  std::array<InverseDepthPose, limits::kStartFrames> poses{};
-  std::array<std::uint8_t, limits::kStartFrames> posed{};
+  std::array<InverseDepthPose, limits::kInitialFrames> poses{};
+  std::array<std::uint8_t, limits::kInitialFrames> posed{};
   std::array<Eigen::Vector3d, limits::kSelectionTracks> points_T{};
   std::array<std::uint8_t, limits::kSelectionTracks> known{};
-  StartFit fit;
+  InitialFit fit;
 
-  [[nodiscard]] StartGeometryView view() {
+  [[nodiscard]] InitialGeometryView view() {
     return {std::span(poses).first(frames),
             std::span(posed).first(frames),
             std::span(points_T).first(tracks),
@@ -52,13 +52,13 @@ struct StartHypothesis {
 /// Seeds of one core, rounded up from 21: 3 of factorisation, 4 of constant rate, and from each of
 /// two pairs 3 of five points and 4 of homographies.
 inline constexpr std::size_t kSeeds = 24;
-using StartHypotheses = FixedVector<StartHypothesis, kSeeds>;
+using InitialHypotheses = FixedVector<InitialHypothesis, kSeeds>;
 /// Hypotheses that are extended to all frames, shared by the cores. Chosen; more cost time.
 inline constexpr std::size_t kFinalists = 6;
 
 /// What a seed is made from: frames of the sequence, and tracks of the selection that all of them
 /// observe.
-struct StartCore {
+struct InitialCore {
   FixedVector<int, kCoreFrames> frames;
   FixedVector<int, kCoreTracks> tracks;
 };

@@ -19,7 +19,7 @@ constexpr double kInlierRatioMin = 0.5;
 
 /// Most bodies are convex: the cue is evidence for one that is, and as much against one that is
 /// hollow. What it may add is bounded by what is known of bodies (decision 0107).
-double margin_needed(double convexity, const StartOptions& options) {
+double margin_needed(double convexity, const InitialisationOptions& options) {
   if (convexity >= kConvexityMin) {
     return options.chi2_gap_convexity;
   }
@@ -28,23 +28,23 @@ double margin_needed(double convexity, const StartOptions& options) {
          (is_hollow ? options.chi2_gap_commit - options.chi2_gap_convexity : 0.0);
 }
 
-StartDecision decide(const StartOutcome& out, const StartOptions& options, double noise_scale) {
+InitialDecision decide(const InitialOutcome& out, const InitialisationOptions& options, double noise_scale) {
   if (out.inlier_ratio < kInlierRatioMin || noise_scale > kNoiseScaleMax) {
-    return StartDecision::kNoHypothesis;
+    return InitialDecision::kNoHypothesis;
   }
   if (!(out.selection_depth_sigma < kDepthSigmaMax)) {
-    return StartDecision::kTooLittleMotion;
+    return InitialDecision::kTooLittleMotion;
   }
-  return out.chi2_gap >= margin_needed(out.convexity, options) ? StartDecision::kCommit
-                                                               : StartDecision::kMarginTooSmall;
+  return out.chi2_margin >= margin_needed(out.convexity, options) ? InitialDecision::kCommit
+                                                               : InitialDecision::kMarginTooSmall;
 }
 
 }  // namespace
 
-StartOutcome select_hypothesis(const StartProblem& problem,
-                               const StartOptions& options,
-                               StartWorkspace& workspace) {
-  StartOutcome out;
+InitialOutcome select_hypothesis(const InitialProblem& problem,
+                               const InitialisationOptions& options,
+                               InitialWorkspace& workspace) {
+  InitialOutcome out;
   if (!choose_selection_set(problem, &workspace.set)) {
     return out;
   }
@@ -52,20 +52,20 @@ StartOutcome select_hypothesis(const StartProblem& problem,
   Selection selection{.problem = problem, .options = options, .w = workspace};
   select_hypotheses(&selection);
   if (workspace.refined.empty()) {
-    out.decision = StartDecision::kNoHypothesis;
+    out.decision = InitialDecision::kNoHypothesis;
     return out;
   }
-  StartHypothesis& winner = workspace.refined[0];
+  InitialHypothesis& winner = workspace.refined[0];
   const double noise = selection.sigma_scale * winner.fit.noise_scale;
   out.winner = winner.kind;
   out.winner_reversed = winner.reversed;
   out.hypotheses = static_cast<int>(workspace.refined.size());
   out.reduced_chi2 = noise * noise;
-  out.inlier_ratio = static_cast<double>(winner.fit.agreeing) / std::max(1, winner.fit.telling);
-  out.chi2_gap = cost_margin_of(selection);
+  out.inlier_ratio = static_cast<double>(winner.fit.agreeing) / std::max(1, winner.fit.redundant);
+  out.chi2_margin = cost_margin_of(selection);
   const double for_rest = compare_at_rest(&selection);
   if (for_rest >= 0.0) {
-    out.chi2_gap = for_rest;
+    out.chi2_margin = for_rest;
   }
   out.convexity = convexity_of(selection, &winner);
   adjust_all_tracks(selection, &out);

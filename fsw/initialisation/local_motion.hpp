@@ -15,7 +15,7 @@ namespace polhode {
 /// Where a track was detected, by frame.
 struct TrackPlaces {
   std::uint32_t frames = 0;  ///< bit f: in frame f
-  std::array<Eigen::Vector2f, limits::kStartFrames> px{};
+  std::array<Eigen::Vector2f, limits::kInitialFrames> px{};
 
   [[nodiscard]] bool has(std::size_t frame) const { return ((frames >> frame) & 1U) != 0; }
 };

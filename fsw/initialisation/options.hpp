@@ -4,9 +4,9 @@
 // clang-format off
 namespace polhode {
 
-struct StartOptions {
+struct InitialisationOptions {
   // decision 0028: with 4 frames 8 of 64 maps are wrong, with 5 frames 2.
-  int frames_min = 5;                 ///< frames collected before the first hypothesis selection, 3 .. limits::kStartFrames
+  int frames_min = 5;                 ///< frames collected before the first hypothesis selection, 3 .. limits::kInitialFrames
   // 5 sigma, squared.
   double chi2_gap_commit = 25.0;      ///< cost margin (chi-square) to the best rival, such as the depth-reversed solution, 9 .. 1000
   // Seven less: one dish in thirty bodies, so what convexity may add (decision 0107).

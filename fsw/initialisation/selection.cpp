@@ -11,7 +11,7 @@ namespace polhode {
 namespace {
 
 // Relative differences of one geometry, and of two. Both lie under the quarter that counts as right
-// in tests/synthetic/start_problem.hpp. Chosen; larger merges a rival with the winner, smaller
+// in tests/synthetic/initial_problem.hpp. Chosen; larger merges a rival with the winner, smaller
 // makes a rival of the winner's own solution.
 constexpr double kSameGeometry = 0.15;
 constexpr double kDifferentGeometry = 0.20;
@@ -50,9 +50,9 @@ constexpr Iterations kExtendIterations{.wide = 3, .narrow = 3, .last = 0};
 constexpr Iterations kExtendedIterations{.wide = 5, .narrow = 10, .last = kSettleIterations};
 constexpr Iterations kReversedIterations{.wide = 8, .narrow = 12, .last = kSettleIterations};
 
-void sort_by_cost(StartHypotheses* list) {
+void sort_by_cost(InitialHypotheses* list) {
   std::stable_sort(
-      list->begin(), list->end(), [](const StartHypothesis& a, const StartHypothesis& b) {
+      list->begin(), list->end(), [](const InitialHypothesis& a, const InitialHypothesis& b) {
         return a.fit.cost < b.fit.cost;
       });
 }
@@ -62,27 +62,27 @@ void sort_by_cost(StartHypotheses* list) {
 bool refine(const Selection& c,
             std::span<const TrackObservation> observations,
             const Iterations& iterations,
-            StartHypothesis* h) {
-  const StartGeometryView view = h->view();
-  StartAdjustmentOptions options{.loss = StartLoss::kCauchy,
+            InitialHypothesis* h) {
+  const InitialGeometryView view = h->view();
+  InitialAdjustmentOptions options{.loss = InitialLoss::kCauchy,
                                  .width_sigma = kNarrow_sigmas,
                                  .sigma_scale = c.sigma_scale,
-                                 .rotations_held = c.rotations_held};
-  const StartFit before = evaluate_start(observations, view, options, &c.w.adjustment);
+                                 .rotations_fixed = c.rotations_fixed};
+  const InitialFit before = evaluate_initial(observations, view, options, &c.w.adjustment);
   options.iterations_max = iterations.wide;
   options.width_sigma =
       std::clamp(kNarrow_sigmas * std::sqrt(before.median), kNarrow_sigmas, kWideMax_sigmas);
-  (void)adjust_start(observations, view, options, &c.w.adjustment);
+  (void)adjust_initial(observations, view, options, &c.w.adjustment);
   options.iterations_max = iterations.narrow;
   options.width_sigma = kNarrow_sigmas;
-  (void)adjust_start(observations, view, options, &c.w.adjustment);
-  h->fit = adjust_start(observations, view, selection_loss(c, iterations.last), &c.w.adjustment);
+  (void)adjust_initial(observations, view, options, &c.w.adjustment);
+  h->fit = adjust_initial(observations, view, selection_loss(c, iterations.last), &c.w.adjustment);
   return normalise_gauge(view) && std::isfinite(h->fit.cost);
 }
 
 /// Inserts a hypothesis. Of two with the same geometry only the one of lower cost stays.
-void insert_distinct(const StartHypothesis& h, StartHypotheses* list) {
-  for (StartHypothesis& known : *list) {
+void insert_distinct(const InitialHypothesis& h, InitialHypotheses* list) {
+  for (InitialHypothesis& known : *list) {
     if (same_geometry(known, h, kSameGeometry)) {
       if (h.fit.cost < known.fit.cost) {
         known = h;
@@ -93,8 +93,8 @@ void insert_distinct(const StartHypothesis& h, StartHypotheses* list) {
   (void)list->push_back(h);
 }
 
-StartHypothesis depth_reversed(const StartHypothesis& h) {
-  StartHypothesis reversed = h;
+InitialHypothesis depth_reversed(const InitialHypothesis& h) {
+  InitialHypothesis reversed = h;
   reversed.reversed = !h.reversed;
   apply_depth_reversal(reversed.view());
   (void)normalise_gauge(reversed.view());
@@ -105,15 +105,15 @@ StartHypothesis depth_reversed(const StartHypothesis& h) {
 /// its depth-reversed one, are one family.
 void refine_families(const Selection& c) {
   const std::span<const TrackObservation> core = c.w.core_observations.view();
-  StartHypotheses& families = c.w.refined;
+  InitialHypotheses& families = c.w.refined;
   families.clear();
-  for (StartHypothesis& seed : c.w.seeds) {
+  for (InitialHypothesis& seed : c.w.seeds) {
     if (!normalise_gauge(seed.view()) || !refine(c, core, kSeedIterations, &seed)) {
       continue;
     }
-    const StartHypothesis reversed = depth_reversed(seed);
+    const InitialHypothesis reversed = depth_reversed(seed);
     const bool is_reversed =
-        std::any_of(families.begin(), families.end(), [&](const StartHypothesis& f) {
+        std::any_of(families.begin(), families.end(), [&](const InitialHypothesis& f) {
           return same_geometry(f, reversed, kSameGeometry) && f.fit.cost <= seed.fit.cost;
         });
     if (!is_reversed) {
@@ -132,7 +132,7 @@ void refine_both_depths(const Selection& c) {
     (void)c.w.seeds.push_back(depth_reversed(c.w.refined[i]));
   }
   c.w.refined.clear();
-  for (StartHypothesis& h : c.w.seeds) {
+  for (InitialHypothesis& h : c.w.seeds) {
     if (refine(c, core, kFamilyIterations, &h)) {
       insert_distinct(h, &c.w.refined);
     }
@@ -148,8 +148,8 @@ double noise_scale(const Selection& c) {
 }
 
 /// Adds the best hypotheses of one core to the finalists.
-void select_on_core(const StartCore& core, Selection* c) {
-  StartWorkspace& w = c->w;
+void select_on_core(const InitialCore& core, Selection* c) {
+  InitialWorkspace& w = c->w;
   const SelectionSet& set = w.set;
   w.core_observations.clear();
   for (const TrackObservation& s : set.observations) {
@@ -178,7 +178,7 @@ void select_on_core(const StartCore& core, Selection* c) {
 }
 
 /// Extends a hypothesis to all frames. Adjusts on the way, so that errors do not add up.
-bool extend_to_all(const Selection& c, StartHypothesis* h) {
+bool extend_to_all(const Selection& c, InitialHypothesis* h) {
   const std::span<const TrackObservation> all = c.w.set.observations.view();
   const std::span<const TrackObservation> first = all.first(c.w.set.extension_observations);
   for (std::size_t step = 0; step < h->frames; ++step) {
@@ -196,7 +196,7 @@ bool extend_to_all(const Selection& c, StartHypothesis* h) {
 /// Finalists, extended to all frames and compared on all observations of the selection.
 void refine_finalists(const Selection& c) {
   c.w.refined.clear();
-  for (StartHypothesis& h : c.w.finalists) {
+  for (InitialHypothesis& h : c.w.finalists) {
     if (extend_to_all(c, &h)) {
       insert_distinct(h, &c.w.refined);
     }
@@ -208,7 +208,7 @@ void refine_finalists(const Selection& c) {
 /// So no rival loses because it stuck in another minimum.
 void compare_with_reversed(const Selection& c) {
   for (int round = 0; round < kReversalRounds && !c.w.refined.empty(); ++round) {
-    StartHypothesis reversed = depth_reversed(c.w.refined[0]);
+    InitialHypothesis reversed = depth_reversed(c.w.refined[0]);
     if (!refine_to_minimum(c, c.w.set.observations.view(), &reversed)) {
       return;
     }
@@ -223,14 +223,14 @@ void compare_with_reversed(const Selection& c) {
 
 /// Cost margin of the winner to `rival`: the smaller of the plain difference and of one in which no
 /// track decides alone. The latter is zero where the tracks do not agree.
-double cost_margin_to(const Selection& c, StartHypothesis* winner, StartHypothesis* rival) {
+double cost_margin_to(const Selection& c, InitialHypothesis* winner, InitialHypothesis* rival) {
   std::array<double, limits::kSelectionTracks> of_winner;
   std::array<double, limits::kSelectionTracks> of_rival;
-  const StartAdjustmentOptions options = selection_loss(c, 0);
+  const InitialAdjustmentOptions options = selection_loss(c, 0);
   const std::size_t tracks = winner->tracks;
-  start_track_costs(
+  initial_track_costs(
       c.w.set.observations.view(), winner->view(), options, std::span(of_winner).first(tracks));
-  start_track_costs(
+  initial_track_costs(
       c.w.set.observations.view(), rival->view(), options, std::span(of_rival).first(tracks));
   double plain = 0.0;
   double clipped = 0.0;
@@ -250,14 +250,14 @@ double cost_margin_to(const Selection& c, StartHypothesis* winner, StartHypothes
 }
 
 int middle_frame(const SelectionSet& set) {
-  const StartCore& core = set.cores[set.cores.size() - 1];
+  const InitialCore& core = set.cores[set.cores.size() - 1];
   return core.frames[core.frames.size() / 2];
 }
 
 /// Where the costs do not decide, a convex hypothesis goes before a hollow one. The cost margin is
 /// negative then.
 void prefer_convex(const Selection& c) {
-  StartHypotheses& list = c.w.refined;
+  InitialHypotheses& list = c.w.refined;
   if (list.empty() || convexity_of(c, &list[0]) > -kConvexityMin) {
     return;
   }
@@ -274,24 +274,24 @@ void prefer_convex(const Selection& c) {
 
 bool refine_to_minimum(const Selection& c,
                        std::span<const TrackObservation> observations,
-                       StartHypothesis* h) {
+                       InitialHypothesis* h) {
   return refine(c, observations, kReversedIterations, h);
 }
 
-StartAdjustmentOptions selection_loss(const Selection& c, int iterations_max) {
+InitialAdjustmentOptions selection_loss(const Selection& c, int iterations_max) {
   return {.iterations_max = iterations_max,
-          .loss = StartLoss::kTruncated,
+          .loss = InitialLoss::kTruncated,
           .width_sigma = kTruncation_sigmas,
           .sigma_scale = c.sigma_scale,
-          .rotations_held = c.rotations_held};
+          .rotations_fixed = c.rotations_fixed};
 }
 
-double convexity_of(const Selection& c, StartHypothesis* h) {
+double convexity_of(const Selection& c, InitialHypothesis* h) {
   return convexity_cue(c.w.set.observations.view(), middle_frame(c.w.set), h->view());
 }
 
 double cost_margin_of(const Selection& c) {
-  StartHypotheses& list = c.w.refined;
+  InitialHypotheses& list = c.w.refined;
   // Without a rival: the margin to the cost of no explanation at all.
   double margin =
       kTruncation_sigmas * kTruncation_sigmas * list[0].fit.observations - list[0].fit.cost;
@@ -306,7 +306,7 @@ double cost_margin_of(const Selection& c) {
 void select_hypotheses(Selection* selection) {
   selection->w.finalists.clear();
   double scale = kNoiseScaleMax;
-  for (const StartCore& core : selection->w.set.cores) {
+  for (const InitialCore& core : selection->w.set.cores) {
     select_on_core(core, selection);
     scale = std::min(scale, selection->sigma_scale);
   }

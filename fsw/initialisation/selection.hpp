@@ -8,10 +8,10 @@ namespace polhode {
 
 /// Shared by all rounds.
 struct Selection {
-  const StartProblem& problem;
-  const StartOptions& options;
-  StartWorkspace& w;
-  bool rotations_held = false;  ///< attitudes are those of a body that does not rotate
+  const InitialProblem& problem;
+  const InitialisationOptions& options;
+  InitialWorkspace& w;
+  bool rotations_fixed = false;  ///< attitudes are those of a body that does not rotate
   double sigma_scale = 1.0;  ///< noise over the caller's sigma by the best hypothesis so far, >= 1
 };
 
@@ -25,7 +25,7 @@ inline constexpr double kConvexityMin = 2.0;
 inline constexpr double kTruncation_sigmas = 4.0;
 
 /// Loss by which hypotheses are compared.
-StartAdjustmentOptions selection_loss(const Selection& selection, int iterations_max);
+InitialAdjustmentOptions selection_loss(const Selection& selection, int iterations_max);
 
 /// Seeds, families, depth-reversed solutions, extension to all frames, and the winner's own
 /// depth-reversed solution. Leaves hypotheses of different geometry in workspace.refined, the
@@ -37,17 +37,17 @@ void select_hypotheses(Selection* selection);
 /// @return false where there is none.
 bool refine_to_minimum(const Selection& selection,
                        std::span<const TrackObservation> observations,
-                       StartHypothesis* hypothesis);
+                       InitialHypothesis* hypothesis);
 
 /// Cost margin of the winner to the best rival of different geometry, in chi-square of the true
 /// noise.
 double cost_margin_of(const Selection& selection);
 
 /// Convexity cue in the middle of the core.
-double convexity_of(const Selection& selection, StartHypothesis* hypothesis);
+double convexity_of(const Selection& selection, InitialHypothesis* hypothesis);
 
 /// Extends the winner to all tracks: joint adjustment, wrong tracks dropped, covariances. Fills
 /// poses, points and both depth sigmas.
-void adjust_all_tracks(const Selection& selection, StartOutcome* out);
+void adjust_all_tracks(const Selection& selection, InitialOutcome* out);
 
 }  // namespace polhode

@@ -4,13 +4,13 @@
 
 namespace polhode {
 
-void begin_map(const StartOutcome& outcome,
+void begin_map(const InitialOutcome& outcome,
                std::size_t first_frame,
                const TrackTable& tracks,
                const Similarity& to_T,
                const MapOptions& options,
                Map* map) {
-  std::array<KeyframeId, limits::kStartFrames> keyframe_of{};
+  std::array<KeyframeId, limits::kInitialFrames> keyframe_of{};
   for (std::size_t f = 0; f < outcome.frames.size(); ++f) {
     const Pose pose = transformed(outcome.frames[f].pose, to_T);
     if (!outcome.frames[f].valid || !is_before_camera(pose) ||

@@ -13,7 +13,7 @@ namespace polhode {
 /// features are. What the map holds already stays; full tables take no more.
 /// @param first_frame  the start's, in the table.
 /// @param to_T  takes the start's frame and unit to the map's.
-void begin_map(const StartOutcome& outcome,
+void begin_map(const InitialOutcome& outcome,
                std::size_t first_frame,
                const TrackTable& tracks,
                const Similarity& to_T,

@@ -15,26 +15,26 @@ void begin_drift(const Eigen::Matrix3d& R_first_CT,
   // An extent is the RMS distance from the centre, and depth one of three directions: depths that
   // are off by depth_sigma of an extent are off by this part of themselves.
   drift->R_first_CT = R_first_CT;
-  drift->start_turn_sigma = std::min(1.0, std::sqrt(3.0) * depth_sigma);
-  drift->start_sigma_mu = depth_sigma * extent_mu;
-  drift->start_turn_rad = turn_rad;
+  drift->initial_turn_sigma = std::min(1.0, std::sqrt(3.0) * depth_sigma);
+  drift->initial_sigma_mu = depth_sigma * extent_mu;
+  drift->initial_turn_rad = turn_rad;
   drift->turn_rad = turn_rad;
 }
 
 void hold_turn(double relative_sigma, double extent_mu, MapDrift* drift) {
-  drift->start_turn_sigma = std::min(1.0, relative_sigma);
-  drift->start_sigma_mu = drift->start_turn_sigma / std::sqrt(3.0) * extent_mu;
-  drift->start_turn_rad = drift->turn_rad;
+  drift->initial_turn_sigma = std::min(1.0, relative_sigma);
+  drift->initial_sigma_mu = drift->initial_turn_sigma / std::sqrt(3.0) * extent_mu;
+  drift->initial_turn_rad = drift->turn_rad;
 }
 
 double turn_sigma(const MapDrift& drift) {
-  return drift.turn_rad > 0.0 ? drift.start_turn_sigma * drift.start_turn_rad / drift.turn_rad
+  return drift.turn_rad > 0.0 ? drift.initial_turn_sigma * drift.initial_turn_rad / drift.turn_rad
                               : 0.0;
 }
 
 double unit_sigma(const MapDrift& drift) {
   constexpr double kExchangedMost_rad = 0.5;  // of sin(t) cos(t)
-  return turn_sigma(drift) * std::min(drift.start_turn_rad, kExchangedMost_rad);
+  return turn_sigma(drift) * std::min(drift.initial_turn_rad, kExchangedMost_rad);
 }
 
 void widen_turn(const Pose& pose, MapDrift* drift) {
@@ -76,7 +76,7 @@ PoseCovariance covariance(const MapDrift& drift) {
   PoseCovariance sum = drift.walk + drift.reanchoring;
   if (drift.turn_rad > 0.0) {
     widen_attitude(unit_sigma(drift), &sum);  // lateral by depth is the turn's tangent
-    widen_position(drift.start_sigma_mu * drift.start_turn_rad / drift.turn_rad, &sum);
+    widen_position(drift.initial_sigma_mu * drift.initial_turn_rad / drift.turn_rad, &sum);
   }
   return sum;
 }

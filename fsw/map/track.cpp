@@ -24,11 +24,11 @@ Vector6 difference(const Pose& to, const Pose& from) {
 
 constexpr double kDepthError = 0.05;  // of a map's depths: some percent
 
-/// Fewer poses than that have checked the motion. @param start_checks  the initialisation's poses
+/// Fewer poses than that have checked the motion. @param initialisation_checks  the initialisation's poses
 /// among them.
-bool is_young(const ExpectedPose& expected, bool start_checks) {
+bool is_young(const ExpectedPose& expected, bool initialisation_checks) {
   return expected.prediction.rotation_poses < kPosesTried ||
-         (!start_checks && expected.poses_since_start < kPosesTried);
+         (!initialisation_checks && expected.poses_since_start < kPosesTried);
 }
 
 /// Most keyframes are never followed, and most frames not by flow: pyramids are built for those
@@ -155,8 +155,8 @@ bool find_about(const MapInput& input, const ExpectedPose& expected, MapState* s
   best.absolute.inliers = 0;
   bool best_believable = false;
   // What agrees with the initialisation, in whichever circle, goes before what may contradict it.
-  for (const bool start_checks : {true, false}) {
-    if (!start_checks && is_young(expected, true) == is_young(expected, false)) {
+  for (const bool initialisation_checks : {true, false}) {
+    if (!initialisation_checks && is_young(expected, true) == is_young(expected, false)) {
       break;  // the same again
     }
     double radius_px = first_px;
@@ -166,7 +166,7 @@ bool find_about(const MapInput& input, const ExpectedPose& expected, MapState* s
       if (!done || !agrees(s->localised, input.localise->inliers_min)) {
         continue;
       }
-      const bool fits = believable(expected, start_checks, *s);
+      const bool fits = believable(expected, initialisation_checks, *s);
       if (fits && !is_thin(s->localised, *s)) {
         return true;
       }
@@ -275,7 +275,7 @@ bool jumps_by_drift(const ExpectedPose& expected, const MapState& s) {
   return comes_back(s) && within_steps(expected, s.localised.absolute, s.moved_rad);
 }
 
-bool plausible(const ExpectedPose& expected, bool start_checks, const MapState& s) {
+bool plausible(const ExpectedPose& expected, bool initialisation_checks, const MapState& s) {
   constexpr std::size_t kPosesMin = 3;  // two give a rate without a check
   const PosePrediction& predicted = expected.prediction;
   if (predicted.rotation_poses < kPosesMin) {
@@ -285,14 +285,14 @@ bool plausible(const ExpectedPose& expected, bool start_checks, const MapState& 
   const AbsolutePose& found = s.localised.absolute;
   const double step_rad = expected.step_rad;
   const double sigma_rad = sigma_between(predicted.covariance, found.covariance);
-  const double bound_rad = is_young(expected, start_checks)
+  const double bound_rad = is_young(expected, initialisation_checks)
                                ? step_rad * step_rad + 3.0 * sigma_rad + kAllowance_rad
                                : kDepthError * step_rad + 4.0 * sigma_rad;
   return rotation_angle_rad(found.pose.R_CT, predicted.pose.R_CT) < bound_rad + s.moved_rad;
 }
 
-bool believable(const ExpectedPose& expected, bool start_checks, const MapState& s) {
-  return plausible(expected, start_checks, s) ||
+bool believable(const ExpectedPose& expected, bool initialisation_checks, const MapState& s) {
+  return plausible(expected, initialisation_checks, s) ||
          (within_reach(expected, s.localised.absolute, s.moved_rad) &&
           (comes_back(s) || certain(s.localised)));
 }

@@ -74,9 +74,9 @@ bool is_ambiguous(const MapInput& input,
 /// been checked: there the bound is what Euler's equation allows (the rate changes by at most |w|^2
 /// a second, a step of a radians by a^2) and a degree. A map that has just been moved under its
 /// poses leaves the prediction off by as much.
-/// @param start_checks  an initialisation's poses count as a check. Where its map is sheared all of
+/// @param initialisation_checks  an initialisation's poses count as a check. Where its map is sheared all of
 /// them are off together, and refuse the first right one.
-bool plausible(const ExpectedPose& expected, bool start_checks, const MapState& state);
+bool plausible(const ExpectedPose& expected, bool initialisation_checks, const MapState& state);
 
 /// An aspect has come back, and its old landmarks carry the pose: then the drift of the young ones,
 /// not the body, has jumped.
@@ -87,7 +87,7 @@ bool comes_back(const MapState& state);
 bool jumps_by_drift(const ExpectedPose& expected, const MapState& state);
 
 /// Agrees with the motion, or is strong enough to be accepted without it.
-bool believable(const ExpectedPose& expected, bool start_checks, const MapState& state);
+bool believable(const ExpectedPose& expected, bool initialisation_checks, const MapState& state);
 
 /// Combines this frame's pose with the pose by a motion that is known together with the map. Where
 /// one face of the body shows little of a rotation, the motion knows the rest. A measurement that

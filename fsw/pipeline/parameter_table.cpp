@@ -64,7 +64,7 @@ constexpr ParameterRow kRows[] = {
   {"tracks.small_motion_max_px", POLHODE_FIELD(tracks.small_motion_max_px), 1.0, 100.0, "px",
    "features are tracked by optical flow up to this predicted image motion, beyond it detected and matched anew"},
 
-  {"start.frames_min", POLHODE_FIELD(start.frames_min), 3, limits::kStartFrames, "",
+  {"start.frames_min", POLHODE_FIELD(start.frames_min), 3, limits::kInitialFrames, "",
    "frames collected before the first hypothesis selection for a map; more: later and safer"},
   {"start.chi2_gap_commit", POLHODE_FIELD(start.chi2_gap_commit), 9.0, 1000.0, "",
    "cost margin (chi-square) by which rivals of the chosen hypothesis, such as its depth-reversed solution, must be worse; 25: 5 sigma"},
@@ -369,7 +369,7 @@ std::optional<Error> check_without_camera(const Parameters& parameters) {
   if (auto problem = check_section(parameters, false)) {
     return problem;
   }
-  const StartOptions& start = parameters.start;
+  const InitialisationOptions& start = parameters.start;
   if (start.chi2_gap_convexity > start.chi2_gap_commit) {
     return bad("start.chi2_gap_convexity = " + text_of(start.chi2_gap_convexity) +
                ": out of range, allowed 4.0 .. " + text_of(start.chi2_gap_commit) +

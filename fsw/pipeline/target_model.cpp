@@ -98,7 +98,7 @@ void put_head(Archive* a, H& head) {
   put(a, body.known, body.shape, body.shape_sigma, body.mass_centre_T, body.mass_centre_sigma);
   auto& d = head.drift;
   put(a, d.walk, d.held, d.reanchoring, d.reanchored_keyframe, d.R_first_CT);
-  put(a, d.start_turn_sigma, d.start_sigma_mu, d.start_turn_rad, d.turn_rad);
+  put(a, d.initial_turn_sigma, d.initial_sigma_mu, d.initial_turn_rad, d.turn_rad);
 }
 
 /// @param created, seen  keyframes, by their rank in age.

@@ -155,7 +155,7 @@ AffineSubspace find_affine_subspace(const ImageMatrix& images,
                                     double sigma_normalised,
                                     std::uint64_t seed) {
   POLHODE_ASSERT(images.rows() >= 6 && images.cols() >= 8, images.cols());
-  POLHODE_ASSERT(images.cols() <= static_cast<Eigen::Index>(limits::kStartTracks), images.cols());
+  POLHODE_ASSERT(images.cols() <= static_cast<Eigen::Index>(limits::kInitialTracks), images.cols());
   AffineSubspace s;
   Eigen::VectorXd r = consensus_residuals(images, seed);
   for (int round = 0; round < kRounds; ++round) {

@@ -17,8 +17,8 @@ using ImageMatrix = Eigen::MatrixXd;
 
 /// x = scale_f * (first two rows of R_f) * p_T + centroid of the frame.
 struct WeakPerspectiveMotion {
-  FixedVector<Eigen::Matrix3d, limits::kStartFrames> R_CT;
-  FixedVector<double, limits::kStartFrames> scale;
+  FixedVector<Eigen::Matrix3d, limits::kInitialFrames> R_CT;
+  FixedVector<double, limits::kInitialFrames> scale;
 };
 
 /// Three-dimensional subspace that the tracks' images span, robust to wrong tracks.
@@ -26,7 +26,7 @@ struct AffineSubspace {
   Eigen::Matrix<double, Eigen::Dynamic, 3> axes;  ///< 2 F rows, orthonormal columns
   Eigen::Vector4d singular_values =
       Eigen::Vector4d::Zero();  ///< of the inliers' images, divided by sqrt(N)
-  FixedVector<std::uint8_t, limits::kStartTracks> inlier;  ///< by column
+  FixedVector<std::uint8_t, limits::kInitialTracks> inlier;  ///< by column
   int inliers = 0;
   bool valid = false;
 };

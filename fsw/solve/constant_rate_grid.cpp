@@ -20,9 +20,9 @@ using Motion4 = Eigen::Vector4d;
 constexpr Eigen::Index kColumns = 6;
 using Images = Eigen::Matrix<double, Eigen::Dynamic, kColumns>;
 using Jacobian = Eigen::
-    Matrix<double, Eigen::Dynamic, 4, 0, 2 * static_cast<int>(limits::kStartFrames* kColumns), 4>;
+    Matrix<double, Eigen::Dynamic, 4, 0, 2 * static_cast<int>(limits::kInitialFrames* kColumns), 4>;
 using Model =
-    Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 2 * static_cast<int>(limits::kStartFrames), 3>;
+    Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 2 * static_cast<int>(limits::kInitialFrames), 3>;
 
 // Axes in the image plane 15 deg apart: each minimum has a start within 8 deg.
 constexpr int kAzimuths = 12;

@@ -38,11 +38,11 @@ void keep_tracks(const Keeps& keeps, TrackTable* table) {
 /// Room for an eighth of the table: tracks that ended go, the shortest first, as they say least.
 /// The newest frames' go on growing.
 void make_room(TrackTable* table) {
-  constexpr std::size_t kWanted = limits::kStartTracks / 8;  // at a time, so that it is seldom
+  constexpr std::size_t kWanted = limits::kInitialTracks / 8;  // at a time, so that it is seldom
   const auto first_alive =
       static_cast<std::int32_t>(table->frames.size()) - static_cast<std::int32_t>(kLookBack) - 1;
-  for (std::size_t length = 2; length < limits::kStartFrames; ++length) {
-    if (table->tracks.size() + kWanted <= limits::kStartTracks) {
+  for (std::size_t length = 2; length < limits::kInitialFrames; ++length) {
+    if (table->tracks.size() + kWanted <= limits::kInitialTracks) {
       return;
     }
     keep_tracks(
@@ -65,7 +65,7 @@ std::int32_t track_for(std::size_t frame,
   }
   if (table->tracks.full() && *may_make_room) {
     make_room(table);
-    *may_make_room = table->tracks.size() < limits::kStartTracks;
+    *may_make_room = table->tracks.size() < limits::kInitialTracks;
   }
   Track fresh;
   (void)fresh.points.push_back({.frame = static_cast<std::int32_t>(frame), .feature = feature});
@@ -175,8 +175,8 @@ void drop_resting_tracks(TrackTable* table, RestingPlaces* resting) {
   // Fewer carry no start of their own, unless more are known to rest.
   constexpr std::size_t kRestingMin = 12;
   constexpr double kMoves_px = 6.0;
-  FixedVector<std::size_t, limits::kStartTracks> at_rest;  // which of the tracks
-  FixedVector<double, limits::kStartTracks> moves_px;
+  FixedVector<std::size_t, limits::kInitialTracks> at_rest;  // which of the tracks
+  FixedVector<double, limits::kInitialTracks> moves_px;
   for (std::size_t t = 0; t < table->tracks.size(); ++t) {
     if (table->tracks[t].points.size() < kPoints) {
       continue;

@@ -30,14 +30,14 @@ struct TrackPoint {
 };
 
 struct Track {
-  FixedVector<TrackPoint, limits::kStartFrames> points;  ///< ascending by frame
+  FixedVector<TrackPoint, limits::kInitialFrames> points;  ///< ascending by frame
 };
 
 struct TrackTable {
-  FixedVector<CollectedFrame, limits::kStartFrames> frames;
-  FixedVector<Track, limits::kStartTracks> tracks;
+  FixedVector<CollectedFrame, limits::kInitialFrames> frames;
+  FixedVector<Track, limits::kInitialTracks> tracks;
   /// Track that ends in feature i of frame f, or -1.
-  std::array<std::array<std::int32_t, limits::kFeatures>, limits::kStartFrames> track_of{};
+  std::array<std::array<std::int32_t, limits::kFeatures>, limits::kInitialFrames> track_of{};
   FeatureMatches scratch;
   std::uint32_t full_count = 0;  ///< tracks that found no place
 };

@@ -39,7 +39,7 @@ Pose causal_pose(const MotionState& m) {
 std::vector<SmoothedPose> smooth_frames(Component& component,
                                         const Sequence& sequence,
                                         const ReplayLog& log) {
-  MapAtRest at_rest(&component);
+  ConvergedMap converged(&component);
   const GroundView view = view_of(component);
   FileCamera camera(sequence);
   const bool borne_out = is_borne_out(log.published);
@@ -51,12 +51,12 @@ std::vector<SmoothedPose> smooth_frames(Component& component,
       continue;
     }
     const Pose hint = causal_pose(m);
-    SmoothedPose pose = at_rest.from_log(m.frame, hint, log.observations.of_frame(i));
+    SmoothedPose pose = converged.from_log(m.frame, hint, log.observations.of_frame(i));
     Frame frame;
     if (!pose.valid && log.uses[i] == FrameUse::kUsed && view.map.keyframe_count > 0) {
       camera.seek(i);
       if (camera.next(frame) && frame.readable) {
-        pose = at_rest.from_image(frame);
+        pose = converged.from_image(frame);
       }
     }
     poses.push_back(pose);
@@ -72,14 +72,14 @@ void measure_scale_late(const Sequence& sequence, const ReplayLog& log, Componen
   if (!names_frame(options) || view.map.keyframe_count == 0 || read_scale_in_keyframe(component)) {
     return;
   }
-  MapAtRest at_rest(component);
+  ConvergedMap converged(component);
   FileCamera camera(sequence);
   for (std::size_t i = 0; i < log.published.size(); ++i) {
     Frame frame;
     if (log.uses[i] == FrameUse::kUsed &&
         log.published[i].timestamp_ns == options.frame_timestamp_ns) {
       camera.seek(i);
-      if (camera.next(frame) && frame.readable && at_rest.from_image(frame).valid) {
+      if (camera.next(frame) && frame.readable && converged.from_image(frame).valid) {
         (void)read_scale_in_image(component);
       }
     }
@@ -257,7 +257,7 @@ CameraReport finish_replay(Component& component,
                            const ReplayLog& log,
                            const fs::path& folder) {
   bring_to_rest(&component);
-  const CameraFit camera = test_camera_at_rest(&component);
+  const CameraFit camera = test_camera_converged(&component);
   const std::vector<SmoothedPose> poses = smooth_frames(component, sequence, log);
   measure_scale_late(sequence, log, &component);
   measure_scale_by_shape(&component);

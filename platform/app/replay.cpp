@@ -350,7 +350,7 @@ void replay(const ReplayArguments& arguments) {
   run.record.model = arguments.model.string();
   const RunCost cost = run_sealed(run, arguments);
   const std::string bus_sha256 = run.files.bus.finish();
-  const Clock::time_point finish_start = Clock::now();
+  const Clock::time_point finish_initialisation = Clock::now();
   run.record.camera = finish_files(run, arguments.out);
   write_summary(arguments.out / "summary.json",
                 {.record = run.record,
@@ -370,7 +370,7 @@ void replay(const ReplayArguments& arguments) {
                  .after_frames = cost.after_frames,
                  .at_end = machine_use(),
                  .wall_s = cost.wall_s,
-                 .finish_s = seconds_since(finish_start)});
+                 .finish_s = seconds_since(finish_initialisation)});
   tell_result(run, arguments.out);
   leave_model(arguments, run);
 }

@@ -229,7 +229,7 @@ std::vector<PoseSample> samples_in_body(const std::vector<SmoothedPose>& poses,
   return samples;
 }
 
-PoseCovariance drift_at_rest(const GroundView& view) {
+PoseCovariance converged_drift(const GroundView& view) {
   MapDrift held = view.drift;
   hold_at_both_ends(&held);
   return scaled(covariance(held), view.scale.metres_per_mu);
@@ -253,7 +253,7 @@ RigidModel model_of(std::span<const PoseSample> samples,
   for (std::size_t i = (samples.size() - 1) % every; i < samples.size(); i += every) {
     (void)snapshot->poses.push_back(samples[i]);
   }
-  snapshot->drift = drift_at_rest(view);
+  snapshot->drift = converged_drift(view);
   snapshot->body_radius = body_radius > 0.0 ? body_radius : 1.0;
   snapshot->options = view.parameters.motion;
   return fit_rigid_model(*snapshot, *workspace);
@@ -291,7 +291,7 @@ std::vector<MotionState> smoothed_motion(const std::vector<SmoothedPose>& poses,
   std::array<double, 4> q_last{1.0, 0.0, 0.0, 0.0};
   std::size_t next = 0;
   ModelOfRun run = of_run(model, published, view);
-  const PoseCovariance drift = drift_at_rest(view);
+  const PoseCovariance drift = converged_drift(view);
   for (std::size_t i = 0; i < poses.size(); ++i) {
     MotionState m = row_of(published[i], poses[i], view);
     AtFrame at = by_model(m.timestamp_ns, &run);

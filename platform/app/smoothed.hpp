@@ -35,7 +35,7 @@ std::vector<PoseSample> samples_in_body(const std::vector<SmoothedPose>& poses,
                                         const ServicerAttitude& servicer);
 
 /// The map's drift as the poses at rest still carry it, in the published unit.
-PoseCovariance drift_at_rest(const GroundView& view);
+PoseCovariance converged_drift(const GroundView& view);
 
 /// Rigid-body dynamics through all samples (every so-many-th where there are more than a fit
 /// takes).

@@ -75,7 +75,7 @@ TEST_F(Cropped, OfALargeTargetIsReduced_AndPlacesGoThereAndBack) {
 TEST_F(Cropped, TheOldestGoesWhenThereIsNoMoreRoom) {
   const auto features = features_at({{20.0F, 20.0F}});
   const cv::Mat gray = ramp(60, 60);
-  for (std::size_t i = 0; i <= limits::kStartFrames; ++i) {
+  for (std::size_t i = 0; i <= limits::kInitialFrames; ++i) {
     (void)crop_of(gray, features);
   }
   EXPECT_EQ(find_crop(1, *crops_), -1);

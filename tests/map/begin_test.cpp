@@ -12,7 +12,7 @@ using namespace synthetic;
 /// Four frames, of which the second has no pose; five tracks, of which the last has no point.
 struct Bench {
   std::unique_ptr<TrackTable> tracks = std::make_unique<TrackTable>();
-  std::unique_ptr<StartOutcome> outcome = std::make_unique<StartOutcome>();
+  std::unique_ptr<InitialOutcome> outcome = std::make_unique<InitialOutcome>();
   std::unique_ptr<Map> map = std::make_unique<Map>();
 
   Bench() {
@@ -34,7 +34,7 @@ struct Bench {
       }
       outcome->points[t] = {.valid = t != 4, .p_T = {0.1 * static_cast<double>(t), -0.3, 0.2}};
     }
-    outcome->decision = StartDecision::kCommit;
+    outcome->decision = InitialDecision::kCommit;
   }
 };
 

@@ -14,7 +14,7 @@ namespace {
 
 /// A hypothesis selection without frames: it ends at once, undecided.
 std::unique_ptr<Job> job_due_at(std::uint32_t step) {
-  static const auto work = std::make_unique<StartJob>();
+  static const auto work = std::make_unique<InitialisationJob>();
   return std::make_unique<Job>(Job{.work = work.get(), .due_step = step});
 }
 

@@ -92,7 +92,7 @@ TEST_F(LiveRun, StrokesTheWatchdogWithSteps) {
 TEST_F(LiveRun, FramesDroppedForAJobThatDoesNotEndAreNoProgress) {
   // The first job is held back by 2.3 s, as the draw for it gives; the frames come in no time.
   Worker worker({.own_thread = true, .latency_ms_max = 3000});
-  const auto work = std::make_unique<StartJob>();  // without frames: it ends at once
+  const auto work = std::make_unique<InitialisationJob>();  // without frames: it ends at once
   Job job{.work = work.get()};
   Jobs jobs;
   (void)jobs.push_back(&job);

@@ -122,11 +122,11 @@ TEST(TrackTable, KeepsWhatLeadsOn_OverTwoStrangeFrames) {
 
 TEST(TrackTable, KeepsTheLastFrames_WhenMoreComeThanItHolds) {
   TrackedSpots f;
-  constexpr int kFrames = static_cast<int>(limits::kStartFrames) + 7;
+  constexpr int kFrames = static_cast<int>(limits::kInitialFrames) + 7;
   for (int i = 0; i < kFrames; ++i) {
     f.add(range(i, i + 20));  // each spot is seen in 20 frames
   }
-  EXPECT_EQ(f.table->frames.size(), limits::kStartFrames);
+  EXPECT_EQ(f.table->frames.size(), limits::kInitialFrames);
   EXPECT_EQ(f.table->frames[0].frame, 107U);
   EXPECT_EQ(f.table->frames.back().frame, static_cast<std::uint32_t>(100 + kFrames - 1));
   f.expect_consistent();
@@ -157,7 +157,7 @@ TEST(TrackTable, StaysConsistent_UnderRandomObservations) {
 
 TEST(TrackTable, MakesRoomForANewFrame_ByTheTracksThatEnded_TheShortestFirst) {
   TrackedSpots f;
-  constexpr int kSpots = static_cast<int>(limits::kStartTracks) / 5;
+  constexpr int kSpots = static_cast<int>(limits::kInitialTracks) / 5;
   const auto show = [&](int group) { f.add(range(group * kSpots, (group + 1) * kSpots)); };
   show(0);
   for (int group = 0; group < 5; ++group) {
@@ -183,12 +183,12 @@ TEST(TrackTable, MakesRoomForANewFrame_ByTheTracksThatEnded_TheShortestFirst) {
 
 TEST(TrackTable, LosesNoTrackThatEnded_WhileThereIsRoom) {
   TrackedSpots f;
-  constexpr int kSpots = static_cast<int>(limits::kStartTracks) / 5;
+  constexpr int kSpots = static_cast<int>(limits::kInitialTracks) / 5;
   for (int group = 0; group < 5; ++group) {
     f.add(range(group * kSpots, (group + 1) * kSpots));
     f.add(range(group * kSpots, (group + 1) * kSpots));
   }
-  EXPECT_EQ(f.table->tracks.size(), limits::kStartTracks);
+  EXPECT_EQ(f.table->tracks.size(), limits::kInitialTracks);
   EXPECT_EQ(f.table->full_count, 0U);
 }
 
@@ -196,13 +196,13 @@ TEST(TrackTable, CountsTracksThatFindNoPlace_WhenItIsFullOfTracksThatMayGoOn) {
   TrackedSpots f;
   constexpr int kSpots = static_cast<int>(limits::kFeatures);
   constexpr auto kMade = static_cast<std::uint32_t>(2 * kSpots);
-  static_assert(kMade > limits::kStartTracks);
+  static_assert(kMade > limits::kInitialTracks);
   for (int group = 0; group < 2; ++group) {
     f.add(range(group * kSpots, (group + 1) * kSpots));
     f.add(range(group * kSpots, (group + 1) * kSpots));
   }
   EXPECT_TRUE(f.table->tracks.full());
-  EXPECT_EQ(f.table->full_count, kMade - limits::kStartTracks);
+  EXPECT_EQ(f.table->full_count, kMade - limits::kInitialTracks);
   f.expect_consistent();
 }
 

@@ -8,13 +8,13 @@
 #include "solve/constant_rate_grid.hpp"
 #include "solve/homography.hpp"
 #include "solve/relative_pose.hpp"
-#include "solve/start_geometry.hpp"
+#include "solve/initial_geometry.hpp"
 
-namespace polhode::start_seeds_test {
+namespace polhode::initial_seeds_test {
 namespace {
 
-using testing::make_start_geometry;
-using testing::StartGeometry;
+using testing::make_initial_geometry;
+using testing::InitialGeometry;
 
 struct Pairs {
   std::vector<Eigen::Vector2d> a;
@@ -22,7 +22,7 @@ struct Pairs {
   RelativePose truth;
 };
 
-Pairs first_and_last(const StartGeometry& g) {
+Pairs first_and_last(const InitialGeometry& g) {
   Pairs pairs;
   const int last = static_cast<int>(g.poses.size()) - 1;
   for (const TrackObservation& s : g.observations) {
@@ -38,7 +38,7 @@ Pairs first_and_last(const StartGeometry& g) {
   return pairs;
 }
 
-ImageMatrix images_of(const StartGeometry& g) {
+ImageMatrix images_of(const InitialGeometry& g) {
   const auto frames = static_cast<Eigen::Index>(g.poses.size());
   ImageMatrix images(2 * frames, static_cast<Eigen::Index>(g.points_T.size()));
   for (const TrackObservation& s : g.observations) {
@@ -57,7 +57,7 @@ double turn_error_rad(const Eigen::Matrix3d& turn, const Eigen::Matrix3d& truth)
 
 TEST(RelativePoses, FindTheExactMotion_WithoutNoise) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    const StartGeometry g = make_start_geometry({.extent_over_range = 0.2}, seed);
+    const InitialGeometry g = make_initial_geometry({.extent_over_range = 0.2}, seed);
     const Pairs pairs = first_and_last(g);
     const RelativePoseCandidates found =
         find_relative_poses(pairs.a, pairs.b, {.sigma_normalised = 1e-6, .seed = seed});
@@ -68,7 +68,7 @@ TEST(RelativePoses, FindTheExactMotion_WithoutNoise) {
 }
 
 TEST(RelativePoses, SurviveOneWrongPairInFive) {
-  StartGeometry g = make_start_geometry(
+  InitialGeometry g = make_initial_geometry(
       {.points = 60, .extent_over_range = 0.25, .sigma = 2e-4, .noise = 1.0}, 4);
   Pairs pairs = first_and_last(g);
   Rng rng(1, 1);
@@ -90,7 +90,7 @@ TEST(RelativePoses, AreNone_WhenPairsAreTooFew) {
 TEST(Homography, KeepsBothNormals_OfAFlatPanel) {
   int both = 0;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    const StartGeometry g = make_start_geometry({.extent_over_range = 0.1, .flat = true}, seed);
+    const InitialGeometry g = make_initial_geometry({.extent_over_range = 0.1, .flat = true}, seed);
     const Pairs pairs = first_and_last(g);
     const HomographyFit fit = find_homography(pairs.a, pairs.b, {.sigma_normalised = 1e-6});
     EXPECT_EQ(fit.inliers, static_cast<int>(pairs.a.size())) << seed;
@@ -108,7 +108,7 @@ TEST(Homography, KeepsBothNormals_OfAFlatPanel) {
 
 TEST(AffineFactorisation, RecoversTheTurnOfADistantBody_WithWrongTracks) {
   // Perspective shows in extent / range = 1e-3 of the relief: turns come out as exact as that.
-  StartGeometry g = make_start_geometry(
+  InitialGeometry g = make_initial_geometry(
       {.points = 50, .frames = 8, .turn_rad = 0.8, .extent_over_range = 1e-3, .on_axis = true}, 6);
   ImageMatrix images = images_of(g);
   Rng rng(2, 2);
@@ -128,7 +128,7 @@ TEST(AffineFactorisation, RecoversTheTurnOfADistantBody_WithWrongTracks) {
 
 TEST(ConstantRate, RecoversTheRate_OfADistantBody) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
-    StartGeometry g = make_start_geometry(
+    InitialGeometry g = make_initial_geometry(
         {.points = 50, .frames = 8, .turn_rad = 0.5, .extent_over_range = 1e-3, .on_axis = true},
         seed);
     const ImageMatrix images = images_of(g);
@@ -143,8 +143,8 @@ TEST(ConstantRate, RecoversTheRate_OfADistantBody) {
 
 /// Times of years and of nanoseconds in one start coincide as numbers.
 TEST(ConstantRate, WhereNoTimePassesThereIsNone) {
-  StartGeometry g =
-      make_start_geometry({.points = 50, .frames = 8, .turn_rad = 0.5, .on_axis = true}, 1);
+  InitialGeometry g =
+      make_initial_geometry({.points = 50, .frames = 8, .turn_rad = 0.5, .on_axis = true}, 1);
   const std::vector<std::uint8_t> all(g.points_T.size(), 1);
   for (const double last_s : {3.0, 2.0, std::numeric_limits<double>::quiet_NaN()}) {
     std::vector<double> times_s(8, 3.0);
@@ -154,7 +154,7 @@ TEST(ConstantRate, WhereNoTimePassesThereIsNone) {
 }
 
 TEST(WeakPerspective, PointsAreThoseOfTheMotion) {
-  StartGeometry g = make_start_geometry(
+  InitialGeometry g = make_initial_geometry(
       {.points = 30, .frames = 5, .extent_over_range = 1e-4, .on_axis = true}, 8);
   const ImageMatrix images = images_of(g);
   const std::vector<std::uint8_t> all(g.points_T.size(), 1);
@@ -176,4 +176,4 @@ TEST(WeakPerspective, PointsAreThoseOfTheMotion) {
 }
 
 }  // namespace
-}  // namespace polhode::start_seeds_test
+}  // namespace polhode::initial_seeds_test

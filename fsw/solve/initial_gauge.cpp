@@ -9,12 +9,12 @@
 #include "base/assert.hpp"
 #include "base/median.hpp"
 #include "geometry/so3.hpp"
-#include "solve/start_adjustment.hpp"
+#include "solve/initial_adjustment.hpp"
 
 namespace polhode {
 namespace {
 
-using Workspace = StartAdjustmentWorkspace;
+using Workspace = InitialAdjustmentWorkspace;
 using Matrix37 = Eigen::Matrix<double, 3, 7>;
 using Matrix67 = Eigen::Matrix<double, 6, 7>;
 using Matrix7 = Eigen::Matrix<double, 7, 7>;
@@ -26,10 +26,10 @@ constexpr double kExtentsMax = 3.0;
 constexpr int kPointsMin = 4;
 
 /// Median by coordinates along the rows of R_NT; in T.
-Eigen::Vector3d median_point(const StartGeometryView& g, const Eigen::Matrix3d& R_NT) {
+Eigen::Vector3d median_point(const InitialGeometryView& g, const Eigen::Matrix3d& R_NT) {
   Eigen::Vector3d centre_N;
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
-    FixedVector<double, limits::kStartTracks> values;
+    FixedVector<double, limits::kInitialTracks> values;
     for (std::size_t i = 0; i < g.points_T.size(); ++i) {
       if (g.known[i] != 0) {
         (void)values.push_back(R_NT.row(axis).dot(g.points_T[i]));
@@ -40,8 +40,8 @@ Eigen::Vector3d median_point(const StartGeometryView& g, const Eigen::Matrix3d& 
   return R_NT.transpose() * centre_N;
 }
 
-double robust_extent(const StartGeometryView& g, const Eigen::Vector3d& centre) {
-  FixedVector<double, limits::kStartTracks> distances;
+double robust_extent(const InitialGeometryView& g, const Eigen::Vector3d& centre) {
+  FixedVector<double, limits::kInitialTracks> distances;
   for (std::size_t i = 0; i < g.points_T.size(); ++i) {
     if (g.known[i] != 0) {
       (void)distances.push_back((g.points_T[i] - centre).norm());
@@ -100,7 +100,7 @@ struct GaugeFix {
   Matrix7 gauge_from_constraints;
 };
 
-std::size_t first_posed(const StartGeometryView& g) {
+std::size_t first_posed(const InitialGeometryView& g) {
   std::size_t f = 0;
   while (f < g.posed.size() && g.posed[f] == 0) {
     ++f;
@@ -109,7 +109,7 @@ std::size_t first_posed(const StartGeometryView& g) {
 }
 
 /// Adds information about the gauge only, so that the reduced system has an inverse.
-bool invert_cameras(const StartGeometryView& g, Workspace* w, GaugeFix* fix) {
+bool invert_cameras(const InitialGeometryView& g, Workspace* w, GaugeFix* fix) {
   const Eigen::Index size = w->reduced.rows();
   GaugeByCameras G = GaugeByCameras::Zero(size, 7);
   for (std::size_t f = 0; f < g.poses.size(); ++f) {
@@ -130,7 +130,7 @@ bool invert_cameras(const StartGeometryView& g, Workspace* w, GaugeFix* fix) {
 }
 
 void collect_constraints(std::span<const TrackObservation> observations,
-                         const StartGeometryView& g,
+                         const InitialGeometryView& g,
                          const Workspace& w,
                          GaugeFix* fix) {
   const auto first = static_cast<Eigen::Index>(6 * first_posed(g));
@@ -193,9 +193,9 @@ Eigen::Matrix3d point_covariance(std::span<const TrackObservation> observations,
 
 }  // namespace
 
-bool start_point_covariances(std::span<const TrackObservation> observations,
-                             const StartGeometryView& geometry,
-                             const StartAdjustmentOptions& options,
+bool initial_point_covariances(std::span<const TrackObservation> observations,
+                             const InitialGeometryView& geometry,
+                             const InitialAdjustmentOptions& options,
                              std::span<Eigen::Matrix3d> covariances,
                              Workspace* workspace) {
   POLHODE_ASSERT(covariances.size() == geometry.points_T.size(), covariances.size());
@@ -227,7 +227,7 @@ bool start_point_covariances(std::span<const TrackObservation> observations,
   return true;
 }
 
-bool normalise_gauge(const StartGeometryView& g) {
+bool normalise_gauge(const InitialGeometryView& g) {
   const std::size_t first = first_posed(g);
   if (first == g.posed.size() || count_known(g.known) < kPointsMin) {
     return false;
@@ -238,7 +238,7 @@ bool normalise_gauge(const StartGeometryView& g) {
   if (!(extent > 0.0) || !std::isfinite(extent)) {
     return false;
   }
-  FixedVector<InverseDepthPose, limits::kStartFrames> poses;
+  FixedVector<InverseDepthPose, limits::kInitialFrames> poses;
   for (std::size_t f = 0; f < g.poses.size(); ++f) {
     const Pose pose = from_inverse_depth(g.poses[f]);
     const Pose moved{.R_CT = nearest_rotation(pose.R_CT * R_NT.transpose()),
@@ -255,7 +255,7 @@ bool normalise_gauge(const StartGeometryView& g) {
   return true;
 }
 
-void apply_depth_reversal(const StartGeometryView& g) {
+void apply_depth_reversal(const InitialGeometryView& g) {
   const Eigen::Vector3d flip(1.0, 1.0, -1.0);
   for (std::size_t f = 0; f < g.poses.size(); ++f) {
     if (g.posed[f] == 0) {

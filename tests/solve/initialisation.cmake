@@ -1,3 +1,3 @@
 polhode_test(solve_start
-  SOURCES start_adjustment_test.cpp start_seeds_test.cpp
+  SOURCES initial_adjustment_test.cpp initial_seeds_test.cpp
   LINKS polhode::solve polhode_synthetic)

@@ -7,11 +7,11 @@
 #include <numbers>
 #include <vector>
 
-#include "synthetic/start_problem.hpp"
+#include "synthetic/initial_problem.hpp"
 
 namespace polhode::synthetic {
 
-enum class StartFamily {
+enum class InitialFamily {
   kFar,  ///< 3 deg subtended, cylinder, box or satellite, 15 to 60 deg of turn, every point in
          ///< every frame
   kFarPartial,   ///< the same with points that come and go, outliers, lost images
@@ -24,17 +24,17 @@ enum class StartFamily {
   kRandom,       ///< tracks without any body
   kLumpy,        ///< independent slow drifts of each track: smooth, not rigid
 };
-inline constexpr std::array kStartFamilies = {StartFamily::kFar,
-                                              StartFamily::kFarPartial,
-                                              StartFamily::kTumbling,
-                                              StartFamily::kPanel,
-                                              StartFamily::kDish,
-                                              StartFamily::kTranslation,
-                                              StartFamily::kNoisy,
-                                              StartFamily::kStatic,
-                                              StartFamily::kRandom,
-                                              StartFamily::kLumpy};
-inline constexpr std::array kStartFamilyNames = {"far",
+inline constexpr std::array kInitialFamilies = {InitialFamily::kFar,
+                                              InitialFamily::kFarPartial,
+                                              InitialFamily::kTumbling,
+                                              InitialFamily::kPanel,
+                                              InitialFamily::kDish,
+                                              InitialFamily::kTranslation,
+                                              InitialFamily::kNoisy,
+                                              InitialFamily::kStatic,
+                                              InitialFamily::kRandom,
+                                              InitialFamily::kLumpy};
+inline constexpr std::array kInitialFamilyNames = {"far",
                                                  "far partial",
                                                  "tumbling",
                                                  "panel",
@@ -44,12 +44,12 @@ inline constexpr std::array kStartFamilyNames = {"far",
                                                  "static",
                                                  "random",
                                                  "lumpy"};
-constexpr bool has_body(StartFamily family) {
-  return family != StartFamily::kStatic && family != StartFamily::kRandom &&
-         family != StartFamily::kLumpy;
+constexpr bool has_body(InitialFamily family) {
+  return family != InitialFamily::kStatic && family != InitialFamily::kRandom &&
+         family != InitialFamily::kLumpy;
 }
 
-struct StartScenario {
+struct InitialScenario {
   Motion motion;
   std::vector<Track> tracks;
   double sigma_normalised = 0.0;  ///< as claimed
@@ -75,13 +75,13 @@ inline Body any_body(int points, Rng* rng) {
   }
 }
 
-inline Body body_of(StartFamily family, Rng* rng) {
+inline Body body_of(InitialFamily family, Rng* rng) {
   switch (family) {
-    case StartFamily::kPanel:
+    case InitialFamily::kPanel:
       return panel(160, 0.6, 0.4, rng);
-    case StartFamily::kDish:
+    case InitialFamily::kDish:
       return dish(120, 0.25, 0.12, rng);
-    case StartFamily::kTumbling:
+    case InitialFamily::kTumbling:
       return any_body(500, rng);
     default:
       return any_body(260, rng);
@@ -96,19 +96,19 @@ inline Eigen::Matrix3d facing(double slant_rad, Rng* rng) {
   return so3_exp(axis * slant_rad) * front * spin;
 }
 
-inline Motion motion_of(StartFamily family, const Body& body, Rng* rng) {
+inline Motion motion_of(InitialFamily family, const Body& body, Rng* rng) {
   double alpha_deg = 3.0;
-  if (family == StartFamily::kTumbling) {
+  if (family == InitialFamily::kTumbling) {
     alpha_deg = between(4.0, 16.0, rng);
-  } else if (family == StartFamily::kPanel || family == StartFamily::kTranslation) {
+  } else if (family == InitialFamily::kPanel || family == InitialFamily::kTranslation) {
     alpha_deg = between(6.0, 14.0, rng);
-  } else if (family == StartFamily::kDish || family == StartFamily::kNoisy) {
+  } else if (family == InitialFamily::kDish || family == InitialFamily::kNoisy) {
     alpha_deg = between(3.0, 10.0, rng);
   }
   const double range_m = 2.0 * radius_m(body) / (alpha_deg * kDegree);
   const Eigen::Vector3d p(
       between(-0.05, 0.05, rng) * range_m, between(-0.05, 0.05, rng) * range_m, range_m);
-  if (family == StartFamily::kTumbling) {
+  if (family == InitialFamily::kTumbling) {
     const Eigen::Vector3d w = random_direction(rng) * between(6.0, 10.0, rng) * kDegree / 10.0;
     return torque_free({.frames = 10,
                         .inertia = {1.0, between(1.2, 2.0, rng), between(2.0, 2.4, rng)},
@@ -123,31 +123,31 @@ inline Motion motion_of(StartFamily family, const Body& body, Rng* rng) {
   turn.R_first = random_attitude(rng);
   turn.p_first_m = p;
   turn.p_last_m = p + random_direction(rng) * between(0.0, 0.04, rng) * range_m;
-  if (family == StartFamily::kPanel || family == StartFamily::kDish) {
+  if (family == InitialFamily::kPanel || family == InitialFamily::kDish) {
     turn.R_first = facing(between(0.1, 0.7, rng), rng);
     turn.turn_rad = between(15.0, 40.0, rng) * kDegree;
-  } else if (family == StartFamily::kTranslation) {
+  } else if (family == InitialFamily::kTranslation) {
     turn.turn_rad = 0.0;
     const Eigen::Vector3d side = direction_near_image_plane(0.3, rng);
     turn.p_first_m = p - 0.25 * range_m * side;
     turn.p_last_m = p + 0.25 * range_m * side;
-  } else if (family == StartFamily::kStatic) {
+  } else if (family == InitialFamily::kStatic) {
     turn.turn_rad = 0.0;
     turn.p_last_m = p;
   }
   return constant_turn(turn, rng);
 }
 
-inline Imaging imaging_of(StartFamily family, Rng* rng) {
+inline Imaging imaging_of(InitialFamily family, Rng* rng) {
   Imaging imaging{.focal_px = kFocal_px, .noise_px = 0.5};
-  if (family == StartFamily::kFarPartial || family == StartFamily::kTumbling ||
-      family == StartFamily::kPanel || family == StartFamily::kDish) {
+  if (family == InitialFamily::kFarPartial || family == InitialFamily::kTumbling ||
+      family == InitialFamily::kPanel || family == InitialFamily::kDish) {
     imaging.outlier_tracks = between(0.0, 0.2, rng);
     imaging.wrong_matches = between(0.0, 0.05, rng);
     imaging.lost = between(0.0, 0.15, rng);
-  } else if (family == StartFamily::kNoisy) {
+  } else if (family == InitialFamily::kNoisy) {
     imaging.noise_px = 1.5;
-  } else if (family == StartFamily::kFar) {
+  } else if (family == InitialFamily::kFar) {
     imaging.all_frames_only = true;
   }
   return imaging;
@@ -166,20 +166,20 @@ inline void drift_apart(Rng* rng, std::vector<Track>* tracks) {
 
 }  // namespace detail
 
-inline StartScenario make_start_scenario(StartFamily family, std::uint64_t seed) {
+inline InitialScenario make_start_scenario(InitialFamily family, std::uint64_t seed) {
   Rng rng(seed, 77U + static_cast<std::uint64_t>(family));
-  StartScenario s;
+  InitialScenario s;
   const Body body = detail::body_of(family, &rng);
-  const StartFamily moving = family == StartFamily::kLumpy ? StartFamily::kStatic : family;
+  const InitialFamily moving = family == InitialFamily::kLumpy ? InitialFamily::kStatic : family;
   s.motion = detail::motion_of(moving, body, &rng);
   s.sigma_normalised = 0.5 / detail::kFocal_px;
-  if (family == StartFamily::kRandom) {
+  if (family == InitialFamily::kRandom) {
     s.tracks =
         random_tracks(90, static_cast<int>(s.motion.times_s.size()), 80.0, detail::kFocal_px, &rng);
     return s;
   }
   s.tracks = track_points(body, s.motion, detail::imaging_of(family, &rng), &rng);
-  if (family == StartFamily::kLumpy) {
+  if (family == InitialFamily::kLumpy) {
     detail::drift_apart(&rng, &s.tracks);
   }
   return s;

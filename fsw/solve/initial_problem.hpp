@@ -26,37 +26,37 @@ struct TrackObservation {
 
 /// A motion and a shape that explain the images, in the caller's arrays. Unknown poses and points
 /// are left out. The seven gauge freedoms are fixed by `normalise_gauge`.
-struct StartGeometryView {
+struct InitialGeometryView {
   std::span<InverseDepthPose> poses;  ///< by frame
   std::span<std::uint8_t> posed;
   std::span<Eigen::Vector3d> points_T;  ///< by track, in units of the body's extent
   std::span<std::uint8_t> known;
 };
 
-enum class StartLoss {
+enum class InitialLoss {
   kCauchy,     ///< wide basin: width^2 log(1 + e / width^2)
   kTruncated,  ///< min(e, width^2), and no track more than 3 sigma above its mean: comparable
                ///< between hypotheses
 };
 
-struct StartAdjustmentOptions {
+struct InitialAdjustmentOptions {
   int iterations_max = 20;  ///< a bound: it ends when a step gains less than `settled`
-  StartLoss loss = StartLoss::kTruncated;
+  InitialLoss loss = InitialLoss::kTruncated;
   double width_sigma = 4.0;     ///< 3e-4 of normal residuals of two coordinates lie beyond
   double sigma_scale = 1.0;     ///< every sigma is multiplied by this
-  bool rotations_held = false;  ///< attitudes stay, translations and points move
+  bool rotations_fixed = false;  ///< attitudes stay, translations and points move
   double settled = 1e-3;        ///< stops when a step gains less chi-square: a 30th of a sigma
 };
 
 /// Residuals in units of the scaled sigma. Observations in unknown frames or tracks count as
 /// lost.
-struct StartFit {
+struct InitialFit {
   double cost = 0.0;  ///< robust; a lost observation costs width^2 with the truncated loss, nothing
                       ///< with the other
   double chi2 = 0.0;  ///< of the inliers
   int inliers = 0;    ///< observations within width_sigma, in tracks that fit as a whole
   int observations = 0;
-  int telling = 0;   ///< observations beyond the first two of their tracks
+  int redundant = 0;   ///< observations beyond the first two of their tracks
   int agreeing = 0;  ///< of these, within width_sigma
   int frames = 0;
   int points = 0;            ///< with two inliers or more
@@ -66,10 +66,10 @@ struct StartFit {
 };
 
 /// Linearised system, kept by the caller because of its size.
-struct StartAdjustmentWorkspace {
-  static constexpr std::size_t kStartObservations = 12000;  // 1500 tracks in 8 frames, or 375 in 32
+struct InitialAdjustmentWorkspace {
+  static constexpr std::size_t kInitialObservations = 12000;  // 1500 tracks in 8 frames, or 375 in 32
   static constexpr int kCameraParameters =
-      6 * static_cast<int>(limits::kStartFrames);  // (phi, uvs)
+      6 * static_cast<int>(limits::kInitialFrames);  // (phi, uvs)
 
   struct Block {
     Eigen::Matrix<double, 6, 3> W = Eigen::Matrix<double, 6, 3>::Zero();  ///< camera against point
@@ -81,15 +81,15 @@ struct StartAdjustmentWorkspace {
   };
   using CameraVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kCameraParameters, 1>;
 
-  FixedVector<Block, kStartObservations> blocks;
-  FixedVector<PointBlock, limits::kStartTracks> point_blocks;
-  std::array<Eigen::Matrix<double, 6, 6>, limits::kStartFrames> camera_blocks;
+  FixedVector<Block, kInitialObservations> blocks;
+  FixedVector<PointBlock, limits::kInitialTracks> point_blocks;
+  std::array<Eigen::Matrix<double, 6, 6>, limits::kInitialFrames> camera_blocks;
   Eigen::MatrixXd reduced;  ///< 6 F square; factorised in place
   CameraVector camera_gradient;
   CameraVector camera_step;
-  std::array<InverseDepthPose, limits::kStartFrames> trial_poses;
-  std::array<Eigen::Vector3d, limits::kStartTracks> trial_points;
-  FixedVector<double, kStartObservations> errors2;
+  std::array<InverseDepthPose, limits::kInitialFrames> trial_poses;
+  std::array<Eigen::Vector3d, limits::kInitialTracks> trial_points;
+  FixedVector<double, kInitialObservations> errors2;
 };
 
 }  // namespace polhode

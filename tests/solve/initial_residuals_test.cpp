@@ -1,6 +1,6 @@
 // Costs by hand: one camera ten units before the body, so that an image is off by sigmas that are
 // chosen.
-#include "solve/start_residuals.hpp"
+#include "solve/initial_residuals.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,12 +8,12 @@
 #include <memory>
 #include <vector>
 
-namespace polhode::start_residuals_test {
+namespace polhode::initial_residuals_test {
 namespace {
 
 constexpr double kSigma = 1e-3;
-constexpr StartAdjustmentOptions kTruncated{.loss = StartLoss::kTruncated, .width_sigma = 4.0};
-constexpr StartAdjustmentOptions kCauchy{.loss = StartLoss::kCauchy, .width_sigma = 4.0};
+constexpr InitialAdjustmentOptions kTruncated{.loss = InitialLoss::kTruncated, .width_sigma = 4.0};
+constexpr InitialAdjustmentOptions kCauchy{.loss = InitialLoss::kCauchy, .width_sigma = 4.0};
 
 struct Geometry {
   std::vector<InverseDepthPose> poses;
@@ -22,7 +22,7 @@ struct Geometry {
   std::vector<std::uint8_t> known;
   std::vector<TrackObservation> observations;
 
-  StartGeometryView view() { return {poses, posed, points_T, known}; }
+  InitialGeometryView view() { return {poses, posed, points_T, known}; }
   /// One track more, seen in as many frames as there are sigmas, off by these in x.
   void add_track(const std::vector<double>& off_sigmas) {
     const int track = static_cast<int>(points_T.size());
@@ -43,19 +43,19 @@ struct Geometry {
   }
 };
 
-StartFit evaluate(Geometry* g, const StartAdjustmentOptions& options) {
-  static const auto workspace = std::make_unique<StartAdjustmentWorkspace>();
-  return evaluate_start(g->observations, g->view(), options, workspace.get());
+InitialFit evaluate(Geometry* g, const InitialAdjustmentOptions& options) {
+  static const auto workspace = std::make_unique<InitialAdjustmentWorkspace>();
+  return evaluate_initial(g->observations, g->view(), options, workspace.get());
 }
 
-double total(Geometry* g, const StartAdjustmentOptions& options) {
+double total(Geometry* g, const InitialAdjustmentOptions& options) {
   return total_cost(g->observations, g->poses, g->points_T, g->view(), options);
 }
 
-TEST(StartWeight, EndsAtTheTruncationAndFallsWithCauchy) {
-  EXPECT_EQ(start_weight(15.9, kTruncated), 1.0);
-  EXPECT_EQ(start_weight(16.0, kTruncated), 0.0);
-  EXPECT_EQ(start_weight(16.0, kCauchy), 0.5);
+TEST(InitialWeight, EndsAtTheTruncationAndFallsWithCauchy) {
+  EXPECT_EQ(initial_weight(15.9, kTruncated), 1.0);
+  EXPECT_EQ(initial_weight(16.0, kTruncated), 0.0);
+  EXPECT_EQ(initial_weight(16.0, kCauchy), 0.5);
   EXPECT_EQ(truncated_max(kTruncated), 16.0);
 }
 
@@ -70,7 +70,7 @@ TEST(TrackEnd, IsWhereTheNextTrackBegins) {
   EXPECT_EQ(track_end(g.observations, 4), 6U);
 }
 
-TEST(StartCost, AddsSquaresWithinTheTruncation) {
+TEST(InitialCost, AddsSquaresWithinTheTruncation) {
   Geometry g;
   g.add_track({1.0, -2.0, 0.5});
   g.add_track({0.0, 1.0, 0.0});
@@ -80,7 +80,7 @@ TEST(StartCost, AddsSquaresWithinTheTruncation) {
               1e-6);
 }
 
-TEST(StartCost, OfAnObservationWithoutPoseOrPointIsThatOfALostOne) {
+TEST(InitialCost, OfAnObservationWithoutPoseOrPointIsThatOfALostOne) {
   Geometry g;
   g.add_track({0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0});
   g.posed[2] = 0;
@@ -92,7 +92,7 @@ TEST(StartCost, OfAnObservationWithoutPoseOrPointIsThatOfALostOne) {
   EXPECT_NEAR(total(&g, kTruncated), 13.0 + 3.0 * std::sqrt(26.0), 1e-6);
 }
 
-TEST(StartCost, OfAWrongTrackIsBoundedByItsLength) {
+TEST(InitialCost, OfAWrongTrackIsBoundedByItsLength) {
   Geometry g;
   g.add_track({3.9, 3.9, 3.9, 3.9, 3.9, 3.9});
   const double most = 9.0 + 3.0 * std::sqrt(18.0);  // 2 * 6 - 3 degrees of freedom
@@ -105,22 +105,22 @@ TEST(StartCost, OfAWrongTrackIsBoundedByItsLength) {
   EXPECT_FALSE(track_cost(right.observations, right.view(), kTruncated).wrong);
 }
 
-TEST(StartCost, CountsAPointBehindTheCameraAsFarOff) {
+TEST(InitialCost, CountsAPointBehindTheCameraAsFarOff) {
   Geometry g;
   g.add_track({0.0});
   g.points_T[0] = {0.0, 0.0, -20.0};
   EXPECT_NEAR(total(&g, kCauchy), 16.0 * std::log1p(behind_error2(kCauchy) / 16.0), 1e-6);
 }
 
-TEST(StartCost, IsCountedInScaledSigmas) {
+TEST(InitialCost, IsCountedInScaledSigmas) {
   Geometry g;
   g.add_track({2.0, 2.0});
-  StartAdjustmentOptions twice = kTruncated;
+  InitialAdjustmentOptions twice = kTruncated;
   twice.sigma_scale = 2.0;
   EXPECT_NEAR(total(&g, twice), 2.0, 1e-6);
 }
 
-TEST(StartCost, TakesOtherPosesAndPointsInPlaceOfTheGeometrysOwn) {
+TEST(InitialCost, TakesOtherPosesAndPointsInPlaceOfTheGeometrysOwn) {
   Geometry g;
   g.add_track({0.0, 0.0});
   std::vector<Eigen::Vector3d> elsewhere = g.points_T;
@@ -138,7 +138,7 @@ TEST(EvaluateStart, CountsInliersPointsFramesAndLeavesWrongTracksOut) {
   g.known[3] = 0;
   g.poses.push_back({});  // a frame without a pose
   g.posed.push_back(0);
-  const StartFit fit = evaluate(&g, kTruncated);
+  const InitialFit fit = evaluate(&g, kTruncated);
   EXPECT_EQ(fit.observations, 24);
   EXPECT_EQ(fit.frames, 6);
   EXPECT_EQ(fit.inliers, 6 + 5);
@@ -154,11 +154,11 @@ TEST(EvaluateStart, CountsWhatTellsBeyondTwoImagesOfATrack_AndWhatOfItAgrees) {
   g.add_track({1.0, 1.0, 9.0, 1.0, 1.0});       // 3 tell, 2 agree
   g.add_track({9.0, 9.0, 9.0, 9.0, 1.0});       // 3 tell, none agrees
   g.add_track({0.0, 0.0});                      // a point agrees with any two images
-  const StartFit fit = evaluate(&g, kTruncated);
-  EXPECT_EQ(fit.telling, 4 + 3 + 3);
+  const InitialFit fit = evaluate(&g, kTruncated);
+  EXPECT_EQ(fit.redundant, 4 + 3 + 3);
   EXPECT_EQ(fit.agreeing, 4 + 2);
   g.known[0] = 0;
-  EXPECT_EQ(evaluate(&g, kTruncated).telling, 10) << "a lost one tells too";
+  EXPECT_EQ(evaluate(&g, kTruncated).redundant, 10) << "a lost one tells too";
   EXPECT_EQ(evaluate(&g, kTruncated).agreeing, 2);
 }
 
@@ -167,15 +167,15 @@ TEST(EvaluateStart, ATrackOfOneImageTellsNothing) {
   g.add_track({1.0, 1.0, 1.0, 1.0});
   g.add_track({0.0});
   g.add_track({9.0});
-  const StartFit fit = evaluate(&g, kTruncated);
-  EXPECT_EQ(fit.telling, 2);
+  const InitialFit fit = evaluate(&g, kTruncated);
+  EXPECT_EQ(fit.redundant, 2);
   EXPECT_EQ(fit.agreeing, 2);
 }
 
 TEST(EvaluateStart, ScalesTheNoiseByWhatTheFitHasTakenUp) {
   Geometry g;
   for (int i = 0; i < 20; ++i) g.add_track({1.0, 1.0, 1.0, 1.0, 1.0, 1.0});
-  const StartFit fit = evaluate(&g, kTruncated);
+  const InitialFit fit = evaluate(&g, kTruncated);
   // 240 coordinates, 20 points, 6 frames and 7 freedoms of the gauge: 151 are free.
   EXPECT_NEAR(fit.noise_scale, std::sqrt(1.0 / 1.3863 * 240.0 / 151.0), 1e-4);
   Geometry few;
@@ -186,7 +186,7 @@ TEST(EvaluateStart, ScalesTheNoiseByWhatTheFitHasTakenUp) {
 
 TEST(EvaluateStart, OfNothingIsNothing) {
   Geometry g;
-  const StartFit fit = evaluate(&g, kTruncated);
+  const InitialFit fit = evaluate(&g, kTruncated);
   EXPECT_EQ(fit.cost, 0.0);
   EXPECT_EQ(fit.inliers, 0);
   EXPECT_EQ(fit.median, 0.0);
@@ -198,11 +198,11 @@ TEST(TrackCosts, AreGivenByTrackAndZeroWithoutObservations) {
   g.add_track({});
   g.add_track({2.0, 0.0});
   std::vector<double> costs(3, -1.0);
-  start_track_costs(g.observations, g.view(), kTruncated, costs);
+  initial_track_costs(g.observations, g.view(), kTruncated, costs);
   EXPECT_NEAR(costs[0], 2.0, 1e-6);
   EXPECT_EQ(costs[1], 0.0);
   EXPECT_NEAR(costs[2], 4.0, 1e-6);
 }
 
 }  // namespace
-}  // namespace polhode::start_residuals_test
+}  // namespace polhode::initial_residuals_test

@@ -4,21 +4,21 @@
 #include <Eigen/Core>
 #include <span>
 
-#include "solve/start_problem.hpp"
-#include "solve/start_residuals.hpp"
+#include "solve/initial_problem.hpp"
+#include "solve/initial_residuals.hpp"
 
 namespace polhode {
 
 /// Levenberg-Marquardt with the points eliminated (Schur complement). Only the damping constrains
 /// the gauge.
-/// @param observations  ordered by track; at most kStartObservations.
+/// @param observations  ordered by track; at most kInitialObservations.
 /// @param geometry   changed in place; never made worse.
 /// @cost  iterations_max linear systems of 6 per frame. Deterministic.
 /// @source Christy and Horaud, PAMI 1996 (parametrisation); Triggs et al., 2000 (elimination).
-StartFit adjust_start(std::span<const TrackObservation> observations,
-                      const StartGeometryView& geometry,
-                      const StartAdjustmentOptions& options,
-                      StartAdjustmentWorkspace* workspace);
+InitialFit adjust_initial(std::span<const TrackObservation> observations,
+                      const InitialGeometryView& geometry,
+                      const InitialAdjustmentOptions& options,
+                      InitialAdjustmentWorkspace* workspace);
 
 /// Pose of one frame from the known points, by at most `iterations_max` damped steps with Cauchy
 /// loss.
@@ -26,35 +26,35 @@ StartFit adjust_start(std::span<const TrackObservation> observations,
 /// @return robust cost, or a negative number when fewer than four points are known, or the pose is
 /// none that images can be told by.
 double adjust_single_pose(std::span<const TrackObservation> observations,
-                          const StartGeometryView& geometry,
-                          const StartAdjustmentOptions& options,
+                          const InitialGeometryView& geometry,
+                          const InitialAdjustmentOptions& options,
                           InverseDepthPose* pose);
 
 /// Normal equations at `geometry` with the points eliminated, undamped: fills workspace->blocks,
 /// point_blocks and reduced.
 bool reduced_camera_system(std::span<const TrackObservation> observations,
-                           const StartGeometryView& geometry,
-                           const StartAdjustmentOptions& options,
-                           StartAdjustmentWorkspace* workspace);
+                           const InitialGeometryView& geometry,
+                           const InitialAdjustmentOptions& options,
+                           InitialAdjustmentWorkspace* workspace);
 
 /// Covariance of each known point (units of extent^2) in the gauge of `normalise_gauge`: centroid,
 /// RMS extent and the attitude of the first frame exact. Only observations within the truncation
 /// count.
 /// @param covariances  by track; zero where unknown.
 /// @return false when the images do not determine the geometry; nothing is written then.
-bool start_point_covariances(std::span<const TrackObservation> observations,
-                             const StartGeometryView& geometry,
-                             const StartAdjustmentOptions& options,
+bool initial_point_covariances(std::span<const TrackObservation> observations,
+                             const InitialGeometryView& geometry,
+                             const InitialAdjustmentOptions& options,
                              std::span<Eigen::Matrix3d> covariances,
-                             StartAdjustmentWorkspace* workspace);
+                             InitialAdjustmentWorkspace* workspace);
 
 /// Same images, other gauge: T's axes parallel to the first known camera's, its origin in the
 /// median of the points, RMS extent 1 without the points beyond three median extents.
 /// @return false, with nothing changed, when the origin would lie behind a camera or under four
 /// points are known.
-bool normalise_gauge(const StartGeometryView& geometry);
+bool normalise_gauge(const InitialGeometryView& geometry);
 
 /// The depth-reversed solution (Necker ambiguity): same images to first order in extent / range.
-void apply_depth_reversal(const StartGeometryView& geometry);
+void apply_depth_reversal(const InitialGeometryView& geometry);
 
 }  // namespace polhode

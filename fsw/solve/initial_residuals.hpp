@@ -4,26 +4,26 @@
 #include <span>
 
 #include "solve/cauchy_loss.hpp"
-#include "solve/start_problem.hpp"
+#include "solve/initial_problem.hpp"
 
 namespace polhode {
 
 /// Bound of the truncated loss, and the cost of a lost observation.
-inline double truncated_max(const StartAdjustmentOptions& options) {
+inline double truncated_max(const InitialAdjustmentOptions& options) {
   return options.width_sigma * options.width_sigma;
 }
 
 /// Derivative of an observation's cost by its squared residual.
 /// @param error2  squared residual in scaled sigma.
-inline double start_weight(double error2, const StartAdjustmentOptions& options) {
-  if (options.loss == StartLoss::kTruncated) {
+inline double initial_weight(double error2, const InitialAdjustmentOptions& options) {
+  if (options.loss == InitialLoss::kTruncated) {
     return error2 < truncated_max(options) ? 1.0 : 0.0;
   }
   return cauchy_weight(error2, options.width_sigma);
 }
 
 /// Squared residual of a point behind the camera.
-inline double behind_error2(const StartAdjustmentOptions& options) {
+inline double behind_error2(const InitialAdjustmentOptions& options) {
   // A hundred widths: worse than any point that can still converge. Chosen; finite, so that costs
   // stay comparable.
   constexpr double kBehindWidths2 = 1e4;
@@ -31,7 +31,7 @@ inline double behind_error2(const StartAdjustmentOptions& options) {
 }
 
 /// Are the observation's pose and point known?
-inline bool usable(const StartGeometryView& geometry, const TrackObservation& observation) {
+inline bool usable(const InitialGeometryView& geometry, const TrackObservation& observation) {
   return geometry.posed[static_cast<std::size_t>(observation.frame)] != 0 &&
          geometry.known[static_cast<std::size_t>(observation.track)] != 0;
 }
@@ -46,26 +46,26 @@ struct TrackCost {
 
 /// @param run  observations of one track.
 TrackCost track_cost(std::span<const TrackObservation> run,
-                     const StartGeometryView& geometry,
-                     const StartAdjustmentOptions& options);
+                     const InitialGeometryView& geometry,
+                     const InitialAdjustmentOptions& options);
 
 /// @param poses, points_T  used in place of the geometry's.
 double total_cost(std::span<const TrackObservation> observations,
                   std::span<const InverseDepthPose> poses,
                   std::span<const Eigen::Vector3d> points_T,
-                  const StartGeometryView& geometry,
-                  const StartAdjustmentOptions& options);
+                  const InitialGeometryView& geometry,
+                  const InitialAdjustmentOptions& options);
 
 /// Statistics of a fit; changes nothing.
-StartFit evaluate_start(std::span<const TrackObservation> observations,
-                        const StartGeometryView& geometry,
-                        const StartAdjustmentOptions& options,
-                        StartAdjustmentWorkspace* workspace);
+InitialFit evaluate_initial(std::span<const TrackObservation> observations,
+                        const InitialGeometryView& geometry,
+                        const InitialAdjustmentOptions& options,
+                        InitialAdjustmentWorkspace* workspace);
 
 /// Cost of each track, 0 for one without observations.
-void start_track_costs(std::span<const TrackObservation> observations,
-                       const StartGeometryView& geometry,
-                       const StartAdjustmentOptions& options,
+void initial_track_costs(std::span<const TrackObservation> observations,
+                       const InitialGeometryView& geometry,
+                       const InitialAdjustmentOptions& options,
                        std::span<double> costs);
 
 }  // namespace polhode

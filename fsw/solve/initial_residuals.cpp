@@ -1,4 +1,4 @@
-#include "solve/start_residuals.hpp"
+#include "solve/initial_residuals.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -25,13 +25,13 @@ struct Candidate {
   std::span<const Eigen::Vector3d> points_T;
 };
 
-Candidate candidate_of(const StartGeometryView& geometry) {
+Candidate candidate_of(const InitialGeometryView& geometry) {
   return {.poses = geometry.poses, .points_T = geometry.points_T};
 }
 
 double scaled_error2(const Candidate& candidate,
                      const TrackObservation& observation,
-                     const StartAdjustmentOptions& options) {
+                     const InitialAdjustmentOptions& options) {
   Eigen::Vector2d x;
   if (!reproject(candidate.poses[static_cast<std::size_t>(observation.frame)],
                  candidate.points_T[static_cast<std::size_t>(observation.track)],
@@ -44,8 +44,8 @@ double scaled_error2(const Candidate& candidate,
 
 double cauchy_cost(std::span<const TrackObservation> observations,
                    const Candidate& candidate,
-                   const StartGeometryView& geometry,
-                   const StartAdjustmentOptions& options) {
+                   const InitialGeometryView& geometry,
+                   const InitialAdjustmentOptions& options) {
   CauchySum sum(options.width_sigma);
   for (const TrackObservation& s : observations) {
     if (usable(geometry, s)) {
@@ -57,8 +57,8 @@ double cauchy_cost(std::span<const TrackObservation> observations,
 
 TrackCost truncated_cost(std::span<const TrackObservation> run,
                          const Candidate& candidate,
-                         const StartGeometryView& geometry,
-                         const StartAdjustmentOptions& options) {
+                         const InitialGeometryView& geometry,
+                         const InitialAdjustmentOptions& options) {
   const double lost = truncated_max(options);
   TrackCost sum;
   for (const TrackObservation& s : run) {
@@ -79,10 +79,10 @@ std::size_t track_end(std::span<const TrackObservation> observations, std::size_
 }
 
 TrackCost track_cost(std::span<const TrackObservation> run,
-                     const StartGeometryView& geometry,
-                     const StartAdjustmentOptions& options) {
+                     const InitialGeometryView& geometry,
+                     const InitialAdjustmentOptions& options) {
   const Candidate own = candidate_of(geometry);
-  return options.loss == StartLoss::kTruncated
+  return options.loss == InitialLoss::kTruncated
              ? truncated_cost(run, own, geometry, options)
              : TrackCost{.cost = cauchy_cost(run, own, geometry, options)};
 }
@@ -90,11 +90,11 @@ TrackCost track_cost(std::span<const TrackObservation> run,
 double total_cost(std::span<const TrackObservation> observations,
                   std::span<const InverseDepthPose> poses,
                   std::span<const Eigen::Vector3d> points_T,
-                  const StartGeometryView& geometry,
-                  const StartAdjustmentOptions& options) {
+                  const InitialGeometryView& geometry,
+                  const InitialAdjustmentOptions& options) {
   const Candidate candidate{.poses = poses, .points_T = points_T};
   return widely([&] {
-    if (options.loss == StartLoss::kCauchy) {
+    if (options.loss == InitialLoss::kCauchy) {
       return cauchy_cost(observations, candidate, geometry, options);
     }
     double cost = 0.0;
@@ -108,13 +108,13 @@ double total_cost(std::span<const TrackObservation> observations,
   });
 }
 
-StartFit evaluate_start(std::span<const TrackObservation> observations,
-                        const StartGeometryView& geometry,
-                        const StartAdjustmentOptions& options,
-                        StartAdjustmentWorkspace* workspace) {
-  POLHODE_ASSERT(observations.size() <= StartAdjustmentWorkspace::kStartObservations,
+InitialFit evaluate_initial(std::span<const TrackObservation> observations,
+                        const InitialGeometryView& geometry,
+                        const InitialAdjustmentOptions& options,
+                        InitialAdjustmentWorkspace* workspace) {
+  POLHODE_ASSERT(observations.size() <= InitialAdjustmentWorkspace::kInitialObservations,
                  observations.size());
-  StartFit fit;
+  InitialFit fit;
   const double width2 = options.width_sigma * options.width_sigma;
   workspace->errors2.clear();
   for (std::size_t begin = 0; begin < observations.size();) {
@@ -137,7 +137,7 @@ StartFit evaluate_start(std::span<const TrackObservation> observations,
     }
     fit.inliers += wrong ? 0 : track_inliers;
     // A point agrees with nearly any two images of it: the others say something.
-    fit.telling += std::max(0, static_cast<int>(end - begin) - 2);
+    fit.redundant += std::max(0, static_cast<int>(end - begin) - 2);
     fit.agreeing += std::max(0, track_inliers - 2);
     fit.chi2 += wrong ? 0.0 : track_chi2;
     fit.points += track_inliers >= 2 ? 1 : 0;
@@ -156,9 +156,9 @@ StartFit evaluate_start(std::span<const TrackObservation> observations,
   return fit;
 }
 
-void start_track_costs(std::span<const TrackObservation> observations,
-                       const StartGeometryView& geometry,
-                       const StartAdjustmentOptions& options,
+void initial_track_costs(std::span<const TrackObservation> observations,
+                       const InitialGeometryView& geometry,
+                       const InitialAdjustmentOptions& options,
                        std::span<double> costs) {
   POLHODE_ASSERT(costs.size() == geometry.points_T.size(), costs.size());
   std::fill(costs.begin(), costs.end(), 0.0);

@@ -4,7 +4,7 @@ target_sources(polhode_solve PRIVATE
   constant_rate_grid.cpp
   homography.cpp
   relative_pose.cpp
-  start_adjustment.cpp
-  start_gauge.cpp
-  start_residuals.cpp)
+  initial_adjustment.cpp
+  initial_gauge.cpp
+  initial_residuals.cpp)
 target_link_libraries(polhode_solve PRIVATE opencv_core opencv_calib3d opengv)

@@ -7,13 +7,13 @@
 
 #include "base/rng.hpp"
 #include "geometry/so3.hpp"
-#include "solve/start_adjustment.hpp"
+#include "solve/initial_adjustment.hpp"
 #include "synthetic/bodies.hpp"
 #include "synthetic/motions.hpp"
 
 namespace polhode::testing {
 
-struct StartGeometry {
+struct InitialGeometry {
   std::vector<InverseDepthPose> poses;
   std::vector<std::uint8_t> posed;
   std::vector<Eigen::Vector3d> points_T;
@@ -21,10 +21,10 @@ struct StartGeometry {
   std::vector<TrackObservation> observations;
   std::vector<double> times_s;
 
-  StartGeometryView view() { return {poses, posed, points_T, known}; }
+  InitialGeometryView view() { return {poses, posed, points_T, known}; }
 };
 
-struct StartGeometryOptions {
+struct InitialGeometryOptions {
   int points = 40;
   int frames = 6;
   double turn_rad = 0.6;
@@ -36,7 +36,7 @@ struct StartGeometryOptions {
       false;  ///< no drift across the image: weak perspective then errs by extent / range alone
 };
 
-inline StartGeometry make_start_geometry(const StartGeometryOptions& options, std::uint64_t seed) {
+inline InitialGeometry make_initial_geometry(const InitialGeometryOptions& options, std::uint64_t seed) {
   Rng rng(seed, 5);
   const synthetic::Body body = options.flat ? synthetic::panel(options.points, 1.5, 1.0, &rng)
                                             : synthetic::box(options.points, {1.0, 1.2, 1.5}, &rng);
@@ -48,7 +48,7 @@ inline StartGeometry make_start_geometry(const StartGeometryOptions& options, st
   turn.p_first_m = {side, -0.5 * side, range};
   turn.p_last_m = {0.0, side, 1.02 * range};
   const synthetic::Motion motion = synthetic::constant_turn(turn, &rng);
-  StartGeometry g;
+  InitialGeometry g;
   g.times_s = motion.times_s;
   for (const Pose& pose : motion.poses) {
     g.poses.push_back(to_inverse_depth(pose));
@@ -70,7 +70,7 @@ inline StartGeometry make_start_geometry(const StartGeometryOptions& options, st
 }
 
 /// Moves everything by about `angle_rad` and `part` of an extent.
-inline void disturb(double angle_rad, double part, std::uint64_t seed, StartGeometry* g) {
+inline void disturb(double angle_rad, double part, std::uint64_t seed, InitialGeometry* g) {
   Rng rng(seed, 6);
   for (InverseDepthPose& pose : g->poses) {
     pose.R_CT = so3_exp(angle_rad * synthetic::random_direction(&rng)) * pose.R_CT;

@@ -1,4 +1,4 @@
-#include "solve/start_adjustment.hpp"
+#include "solve/initial_adjustment.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
@@ -9,12 +9,12 @@
 #include "base/avx2_dispatch.hpp"
 #include "geometry/so3.hpp"
 #include "solve/small_fit.hpp"
-#include "solve/start_residuals.hpp"
+#include "solve/initial_residuals.hpp"
 
 namespace polhode {
 namespace {
 
-using Workspace = StartAdjustmentWorkspace;
+using Workspace = InitialAdjustmentWorkspace;
 
 // Levenberg-Marquardt's damping, by factors of 10 (Marquardt 1963): where it begins matters little.
 // Above kDampingMax steps are too small to matter; under kDampingMin it has no effect.
@@ -32,8 +32,8 @@ constexpr int kPointsMin = 4;
 /// Adds one observation to the normal equations. That of a wrong track moves its own point only.
 void add_observation(const TrackObservation& s,
                      bool wrong,
-                     const StartGeometryView& geometry,
-                     const StartAdjustmentOptions& options,
+                     const InitialGeometryView& geometry,
+                     const InitialAdjustmentOptions& options,
                      Workspace::Block* block,
                      Workspace* w) {
   block->frame = -1;
@@ -46,7 +46,7 @@ void add_observation(const TrackObservation& s,
   }
   const double inverse_sigma = 1.0 / (s.sigma_normalised * options.sigma_scale);
   const Eigen::Vector2d residual = inverse_sigma * (x - s.normalised);
-  const double weight = start_weight(residual.squaredNorm(), options);
+  const double weight = initial_weight(residual.squaredNorm(), options);
   if (!(weight > 0.0)) {
     return;
   }
@@ -56,7 +56,7 @@ void add_observation(const TrackObservation& s,
   if (wrong) {
     return;
   }
-  if (options.rotations_held) {
+  if (options.rotations_fixed) {
     J.rotation.setZero();
   }
   Eigen::Matrix<double, 2, 6> A;
@@ -69,7 +69,7 @@ void add_observation(const TrackObservation& s,
 }
 
 /// As if they were known a thousand times better than translations are.
-void hold_rotations(std::size_t frames, Workspace* w) {
+void fix_rotations(std::size_t frames, Workspace* w) {
   // In variance.
   constexpr double kKnown = 1e6;
   for (std::size_t f = 0; f < frames; ++f) {
@@ -80,8 +80,8 @@ void hold_rotations(std::size_t frames, Workspace* w) {
 
 /// Fills the camera, point and mixed blocks of the normal equations.
 void linearise(std::span<const TrackObservation> observations,
-               const StartGeometryView& geometry,
-               const StartAdjustmentOptions& options,
+               const InitialGeometryView& geometry,
+               const InitialAdjustmentOptions& options,
                Workspace* w) {
   const std::size_t frames = geometry.poses.size();
   for (std::size_t f = 0; f < frames; ++f) {
@@ -98,14 +98,14 @@ void linearise(std::span<const TrackObservation> observations,
     const std::size_t end = track_end(observations, begin);
     const std::span run = observations.subspan(begin, end - begin);
     const bool wrong =
-        options.loss == StartLoss::kTruncated && track_cost(run, geometry, options).wrong;
+        options.loss == InitialLoss::kTruncated && track_cost(run, geometry, options).wrong;
     for (std::size_t i = begin; i < end; ++i) {
       add_observation(observations[i], wrong, geometry, options, &w->blocks[i], w);
     }
     begin = end;
   }
-  if (options.rotations_held) {
-    hold_rotations(frames, w);
+  if (options.rotations_fixed) {
+    fix_rotations(frames, w);
   }
 }
 
@@ -159,7 +159,7 @@ void eliminate_points(std::span<const TrackObservation> observations,
   }
 }
 
-void apply_camera_step(const StartGeometryView& geometry, Workspace* w) {
+void apply_camera_step(const InitialGeometryView& geometry, Workspace* w) {
   for (std::size_t f = 0; f < geometry.poses.size(); ++f) {
     w->trial_poses[f] = geometry.poses[f];
     if (geometry.posed[f] != 0) {
@@ -171,7 +171,7 @@ void apply_camera_step(const StartGeometryView& geometry, Workspace* w) {
 }
 
 void apply_point_steps(std::span<const TrackObservation> observations,
-                       const StartGeometryView& geometry,
+                       const InitialGeometryView& geometry,
                        double damping,
                        Workspace* w) {
   std::copy(geometry.points_T.begin(), geometry.points_T.end(), w->trial_points.begin());
@@ -195,7 +195,7 @@ void apply_point_steps(std::span<const TrackObservation> observations,
 /// One damped step into the trial arrays. @return false when the system cannot be solved or a depth
 /// would turn negative.
 bool try_step(std::span<const TrackObservation> observations,
-              const StartGeometryView& geometry,
+              const InitialGeometryView& geometry,
               double damping,
               Workspace* w) {
   widely([&] { eliminate_points(observations, damping, w); });
@@ -227,8 +227,8 @@ InverseDepthPose moved(const InverseDepthPose& start, const PoseEquations::Vecto
 
 /// With the Cauchy loss, not the options'.
 PoseEquations linearise_pose(std::span<const TrackObservation> observations,
-                             const StartGeometryView& geometry,
-                             const StartAdjustmentOptions& options,
+                             const InitialGeometryView& geometry,
+                             const InitialAdjustmentOptions& options,
                              const InverseDepthPose& pose) {
   PoseEquations n;
   CauchySum cost(options.width_sigma);
@@ -261,21 +261,21 @@ PoseEquations linearise_pose(std::span<const TrackObservation> observations,
 }  // namespace
 
 bool reduced_camera_system(std::span<const TrackObservation> observations,
-                           const StartGeometryView& geometry,
-                           const StartAdjustmentOptions& options,
+                           const InitialGeometryView& geometry,
+                           const InitialAdjustmentOptions& options,
                            Workspace* workspace) {
   linearise(observations, geometry, options, workspace);
   eliminate_points(observations, 0.0, workspace);
   return workspace->reduced.allFinite();
 }
 
-StartFit adjust_start(std::span<const TrackObservation> observations,
-                      const StartGeometryView& geometry,
-                      const StartAdjustmentOptions& options,
+InitialFit adjust_initial(std::span<const TrackObservation> observations,
+                      const InitialGeometryView& geometry,
+                      const InitialAdjustmentOptions& options,
                       Workspace* workspace) {
-  POLHODE_ASSERT(observations.size() <= Workspace::kStartObservations, observations.size());
-  POLHODE_ASSERT(geometry.poses.size() <= limits::kStartFrames, geometry.poses.size());
-  POLHODE_ASSERT(geometry.points_T.size() <= limits::kStartTracks, geometry.points_T.size());
+  POLHODE_ASSERT(observations.size() <= Workspace::kInitialObservations, observations.size());
+  POLHODE_ASSERT(geometry.poses.size() <= limits::kInitialFrames, geometry.poses.size());
+  POLHODE_ASSERT(geometry.points_T.size() <= limits::kInitialTracks, geometry.points_T.size());
   double damping = kDampingFirst;
   double cost = total_cost(observations, geometry.poses, geometry.points_T, geometry, options);
   int iteration = 0;
@@ -313,14 +313,14 @@ StartFit adjust_start(std::span<const TrackObservation> observations,
       break;
     }
   }
-  StartFit fit = evaluate_start(observations, geometry, options, workspace);
+  InitialFit fit = evaluate_initial(observations, geometry, options, workspace);
   fit.iterations = iteration;
   return fit;
 }
 
 double adjust_single_pose(std::span<const TrackObservation> observations,
-                          const StartGeometryView& geometry,
-                          const StartAdjustmentOptions& options,
+                          const InitialGeometryView& geometry,
+                          const InitialAdjustmentOptions& options,
                           InverseDepthPose* pose) {
   const auto known = std::count_if(
       observations.begin(), observations.end(), [&](const TrackObservation& observation) {

@@ -1,4 +1,4 @@
-#include "solve/start_adjustment.hpp"
+#include "solve/initial_adjustment.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,21 +8,21 @@
 #include <memory>
 #include <vector>
 
-#include "solve/start_geometry.hpp"
+#include "solve/initial_geometry.hpp"
 
-namespace polhode::start_adjustment_test {
+namespace polhode::initial_adjustment_test {
 namespace {
 
 using testing::disturb;
-using testing::make_start_geometry;
-using testing::StartGeometry;
+using testing::make_initial_geometry;
+using testing::InitialGeometry;
 
-std::unique_ptr<StartAdjustmentWorkspace> workspace() {
-  return std::make_unique<StartAdjustmentWorkspace>();
+std::unique_ptr<InitialAdjustmentWorkspace> workspace() {
+  return std::make_unique<InitialAdjustmentWorkspace>();
 }
 
 /// Largest difference between the geometry's images and the observations, in sigma.
-double worst_image(StartGeometry* g) {
+double worst_image(InitialGeometry* g) {
   double worst = 0.0;
   for (const TrackObservation& s : g->observations) {
     Eigen::Vector2d x;
@@ -34,19 +34,19 @@ double worst_image(StartGeometry* g) {
   return worst;
 }
 
-TEST(StartAdjustment, RecoversExactGeometry_WithoutNoise) {
+TEST(InitialAdjustment, RecoversExactGeometry_WithoutNoise) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    StartGeometry g = make_start_geometry({}, seed);
-    StartGeometry truth = g;
+    InitialGeometry g = make_initial_geometry({}, seed);
+    InitialGeometry truth = g;
     disturb(0.03, 0.05, seed, &g);
     ASSERT_TRUE(normalise_gauge(truth.view()));
     const auto w = workspace();
-    (void)adjust_start(g.observations,
+    (void)adjust_initial(g.observations,
                        g.view(),
-                       {.iterations_max = 50, .loss = StartLoss::kCauchy, .width_sigma = 30.0},
+                       {.iterations_max = 50, .loss = InitialLoss::kCauchy, .width_sigma = 30.0},
                        w.get());
-    const StartFit fit =
-        adjust_start(g.observations, g.view(), {.iterations_max = 50, .settled = 1e-12}, w.get());
+    const InitialFit fit =
+        adjust_initial(g.observations, g.view(), {.iterations_max = 50, .settled = 1e-12}, w.get());
     EXPECT_LT(fit.cost, 1e-6) << seed;
     ASSERT_TRUE(normalise_gauge(g.view()));
     for (std::size_t i = 0; i < g.points_T.size(); ++i) {
@@ -56,25 +56,25 @@ TEST(StartAdjustment, RecoversExactGeometry_WithoutNoise) {
   }
 }
 
-TEST(StartAdjustment, GradientVanishesAtTheMinimum_NumericallyChecked) {
-  StartGeometry g = make_start_geometry({.points = 12, .frames = 4, .noise = 1.0}, 3);
+TEST(InitialAdjustment, GradientVanishesAtTheMinimum_NumericallyChecked) {
+  InitialGeometry g = make_initial_geometry({.points = 12, .frames = 4, .noise = 1.0}, 3);
   const auto w = workspace();
-  const StartAdjustmentOptions options{
-      .iterations_max = 100, .loss = StartLoss::kCauchy, .settled = 1e-12};
-  const double minimum = adjust_start(g.observations, g.view(), options, w.get()).cost;
+  const InitialAdjustmentOptions options{
+      .iterations_max = 100, .loss = InitialLoss::kCauchy, .settled = 1e-12};
+  const double minimum = adjust_initial(g.observations, g.view(), options, w.get()).cost;
   // With the analytic Jacobians wrong anywhere, the minimum found would not be one of the cost
   // itself.
-  const auto moved_cost = [&](const StartGeometry& moved) {
-    StartGeometry copy = moved;
-    return evaluate_start(copy.observations, copy.view(), options, w.get()).cost;
+  const auto moved_cost = [&](const InitialGeometry& moved) {
+    InitialGeometry copy = moved;
+    return evaluate_initial(copy.observations, copy.view(), options, w.get()).cost;
   };
   for (std::size_t f = 0; f < g.poses.size(); ++f) {
     for (Eigen::Index k = 0; k < 3; ++k) {
       for (const double step : {-1e-4, 1e-4}) {
-        StartGeometry turned = g;
+        InitialGeometry turned = g;
         turned.poses[f].R_CT = so3_exp(step * Eigen::Vector3d::Unit(k)) * turned.poses[f].R_CT;
         EXPECT_GE(moved_cost(turned), minimum - 1e-9);
-        StartGeometry shifted = g;
+        InitialGeometry shifted = g;
         shifted.poses[f].uvs(k) += step * g.poses[f].uvs.z();
         EXPECT_GE(moved_cost(shifted), minimum - 1e-9);
       }
@@ -82,9 +82,9 @@ TEST(StartAdjustment, GradientVanishesAtTheMinimum_NumericallyChecked) {
   }
 }
 
-TEST(StartAdjustment, LeavesWrongTracksAside) {
-  StartGeometry g = make_start_geometry({.points = 60, .noise = 1.0}, 5);
-  StartGeometry truth = g;
+TEST(InitialAdjustment, LeavesWrongTracksAside) {
+  InitialGeometry g = make_initial_geometry({.points = 60, .noise = 1.0}, 5);
+  InitialGeometry truth = g;
   ASSERT_TRUE(normalise_gauge(truth.view()));
   Rng rng(1, 1);
   for (TrackObservation& s : g.observations) {
@@ -93,11 +93,11 @@ TEST(StartAdjustment, LeavesWrongTracksAside) {
     }
   }
   const auto w = workspace();
-  (void)adjust_start(g.observations,
+  (void)adjust_initial(g.observations,
                      g.view(),
-                     {.iterations_max = 20, .loss = StartLoss::kCauchy, .width_sigma = 3.0},
+                     {.iterations_max = 20, .loss = InitialLoss::kCauchy, .width_sigma = 3.0},
                      w.get());
-  const StartFit fit = adjust_start(g.observations, g.view(), {.iterations_max = 30}, w.get());
+  const InitialFit fit = adjust_initial(g.observations, g.view(), {.iterations_max = 30}, w.get());
   EXPECT_GE(fit.inliers, 48 * 6 * 95 / 100);
   EXPECT_LE(fit.inliers, 48 * 6);
   EXPECT_LT(rotation_angle_rad(g.poses[5].R_CT * g.poses[0].R_CT.transpose(),
@@ -105,42 +105,42 @@ TEST(StartAdjustment, LeavesWrongTracksAside) {
             0.02);
 }
 
-TEST(StartAdjustment, NoiseScaleTellsHowWrongTheClaimIs) {
+TEST(InitialAdjustment, NoiseScaleTellsHowWrongTheClaimIs) {
   for (const double factor : {1.0, 2.0}) {
-    StartGeometry g = make_start_geometry({.points = 80, .frames = 8, .noise = factor}, 7);
+    InitialGeometry g = make_initial_geometry({.points = 80, .frames = 8, .noise = factor}, 7);
     const auto w = workspace();
-    const StartFit fit = adjust_start(
-        g.observations, g.view(), {.iterations_max = 30, .loss = StartLoss::kCauchy}, w.get());
+    const InitialFit fit = adjust_initial(
+        g.observations, g.view(), {.iterations_max = 30, .loss = InitialLoss::kCauchy}, w.get());
     // The median of 640 squared residuals scatters by 5 %, its root by 3 %; three of those.
     EXPECT_NEAR(fit.noise_scale / factor, 1.0, 0.1);
   }
 }
 
-TEST(StartAdjustment, NormaliseGauge_KeepsTheImages) {
-  StartGeometry g = make_start_geometry({}, 11);
+TEST(InitialAdjustment, NormaliseGauge_KeepsTheImages) {
+  InitialGeometry g = make_initial_geometry({}, 11);
   ASSERT_TRUE(normalise_gauge(g.view()));
   EXPECT_LT(worst_image(&g), 1e-7);
   EXPECT_TRUE(g.poses[0].R_CT.isIdentity(1e-12));
 }
 
-TEST(StartAdjustment, NormaliseGauge_ChangesNothing_WhereAPoseIsNone) {
+TEST(InitialAdjustment, NormaliseGauge_ChangesNothing_WhereAPoseIsNone) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double infinity = std::numeric_limits<double>::infinity();
   for (const Eigen::Vector3d& uvs : {Eigen::Vector3d(nan, 0.0, 0.1),
                                      Eigen::Vector3d(0.0, infinity, 0.1),
                                      Eigen::Vector3d(0.0, 0.0, 0.0),
                                      Eigen::Vector3d(0.0, 0.0, -0.1)}) {
-    StartGeometry g = make_start_geometry({}, 11);
+    InitialGeometry g = make_initial_geometry({}, 11);
     g.poses[3].uvs = uvs;
-    const StartGeometry before = g;
+    const InitialGeometry before = g;
     EXPECT_FALSE(normalise_gauge(g.view())) << uvs.transpose();
     EXPECT_EQ(g.poses[0].uvs, before.poses[0].uvs);
     EXPECT_EQ(g.points_T, before.points_T);
   }
 }
 
-TEST(StartAdjustment, SinglePose_ThatCannotBeEvaluatedIsNone) {
-  StartGeometry g = make_start_geometry({}, 11);
+TEST(InitialAdjustment, SinglePose_ThatCannotBeEvaluatedIsNone) {
+  InitialGeometry g = make_initial_geometry({}, 11);
   InverseDepthPose pose = g.poses[1];
   pose.uvs.z() = -0.1;
   std::vector<TrackObservation> of_frame;
@@ -152,12 +152,12 @@ TEST(StartAdjustment, SinglePose_ThatCannotBeEvaluatedIsNone) {
   EXPECT_EQ(adjust_single_pose(of_frame, g.view(), {.iterations_max = 5}, &pose), -1.0);
 }
 
-TEST(StartAdjustment, ReverseDepth_ChangesImagesInSecondOrderOnly) {
+TEST(InitialAdjustment, ReverseDepth_ChangesImagesInSecondOrderOnly) {
   // The images change by relief / range of themselves: halving the size over range quarters the
   // change.
   double last = 0.0;
   for (const double size : {0.02, 0.01, 0.005}) {
-    StartGeometry g = make_start_geometry({.extent_over_range = size, .sigma = 1.0}, 13);
+    InitialGeometry g = make_initial_geometry({.extent_over_range = size, .sigma = 1.0}, 13);
     apply_depth_reversal(g.view());
     const double change = worst_image(&g);
     if (last > 0.0) {
@@ -167,15 +167,15 @@ TEST(StartAdjustment, ReverseDepth_ChangesImagesInSecondOrderOnly) {
   }
 }
 
-TEST(StartAdjustment, ReverseDepthTwice_IsTheSame) {
-  StartGeometry g = make_start_geometry({}, 17);
+TEST(InitialAdjustment, ReverseDepthTwice_IsTheSame) {
+  InitialGeometry g = make_initial_geometry({}, 17);
   apply_depth_reversal(g.view());
   apply_depth_reversal(g.view());
   EXPECT_LT(worst_image(&g), 1e-7);
 }
 
-TEST(StartAdjustment, SinglePose_FindsItsWayFromTenDegrees) {
-  StartGeometry g = make_start_geometry({.points = 30, .noise = 1.0}, 19);
+TEST(InitialAdjustment, SinglePose_FindsItsWayFromTenDegrees) {
+  InitialGeometry g = make_initial_geometry({.points = 30, .noise = 1.0}, 19);
   std::vector<TrackObservation> own;
   for (const TrackObservation& s : g.observations) {
     if (s.frame == 3) {
@@ -184,8 +184,8 @@ TEST(StartAdjustment, SinglePose_FindsItsWayFromTenDegrees) {
   }
   InverseDepthPose pose = g.poses[3];
   pose.R_CT = so3_exp({0.1, -0.12, 0.08}) * pose.R_CT;
-  StartAdjustmentOptions options{
-      .iterations_max = 20, .loss = StartLoss::kCauchy, .width_sigma = 30.0};
+  InitialAdjustmentOptions options{
+      .iterations_max = 20, .loss = InitialLoss::kCauchy, .width_sigma = 30.0};
   EXPECT_GE(adjust_single_pose(own, g.view(), options, &pose), 0.0);
   options.width_sigma = 3.0;
   EXPECT_GE(adjust_single_pose(own, g.view(), options, &pose), 0.0);
@@ -194,7 +194,7 @@ TEST(StartAdjustment, SinglePose_FindsItsWayFromTenDegrees) {
 
 /// Covariance by the dense pseudo-inverse and projection onto the gauge's constraints, all
 /// derivatives numeric.
-Eigen::MatrixXd dense_point_covariance(StartGeometry* g) {
+Eigen::MatrixXd dense_point_covariance(InitialGeometry* g) {
   const auto frames = static_cast<Eigen::Index>(g->poses.size());
   const auto points = static_cast<Eigen::Index>(g->points_T.size());
   const Eigen::Index size = 6 * frames + 3 * points;
@@ -233,12 +233,12 @@ Eigen::MatrixXd dense_point_covariance(StartGeometry* g) {
       .bottomRightCorner(3 * points, 3 * points);
 }
 
-TEST(StartAdjustment, PointCovariances_EqualTheDenseOnesUnderTheSameGauge) {
-  StartGeometry g = make_start_geometry({.points = 14, .frames = 4, .extent_over_range = 0.1}, 23);
+TEST(InitialAdjustment, PointCovariances_EqualTheDenseOnesUnderTheSameGauge) {
+  InitialGeometry g = make_initial_geometry({.points = 14, .frames = 4, .extent_over_range = 0.1}, 23);
   ASSERT_TRUE(normalise_gauge(g.view()));
   std::vector<Eigen::Matrix3d> covariances(g.points_T.size());
   const auto w = workspace();
-  ASSERT_TRUE(start_point_covariances(g.observations, g.view(), {}, covariances, w.get()));
+  ASSERT_TRUE(initial_point_covariances(g.observations, g.view(), {}, covariances, w.get()));
   const Eigen::MatrixXd dense = dense_point_covariance(&g);
   for (std::size_t i = 0; i < covariances.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(3 * i);
@@ -248,4 +248,4 @@ TEST(StartAdjustment, PointCovariances_EqualTheDenseOnesUnderTheSameGauge) {
 }
 
 }  // namespace
-}  // namespace polhode::start_adjustment_test
+}  // namespace polhode::initial_adjustment_test

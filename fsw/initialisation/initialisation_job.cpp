@@ -1,10 +1,10 @@
-#include "initialisation/start_job.hpp"
+#include "initialisation/initialisation_job.hpp"
 
 #include <span>
 
 namespace polhode {
 
-void run_start(StartJob* job) {
+void run_initialisation(InitialisationJob* job) {
   const std::span tracks = std::span(job->tracks).first(job->track_count);
   align_tracks(job->pictures, job->frame_count, tracks, &job->alignment);
   job->outcome = select_hypothesis({.times_s = std::span(job->times_s).first(job->frame_count),
@@ -15,8 +15,8 @@ void run_start(StartJob* job) {
                                    job->workspace);
 }
 
-void skip_start(StartJob* job) {
-  job->outcome.decision = StartDecision::kTooFewTracks;
+void skip_initialisation(InitialisationJob* job) {
+  job->outcome.decision = InitialDecision::kTooFewTracks;
   job->outcome.crowded = false;
 }
 

@@ -11,25 +11,25 @@
 
 namespace polhode {
 
-struct StartJob {
+struct InitialisationJob {
   std::size_t first_frame = 0;  ///< the problem's, in the table of tracks
   std::size_t frame_count = 0;
   std::size_t track_count = 0;
-  std::array<double, limits::kStartFrames> times_s{};
-  std::array<Eigen::Matrix3d, limits::kStartFrames> R_IC;
-  std::array<StartTrack, limits::kStartTracks> tracks;
+  std::array<double, limits::kInitialFrames> times_s{};
+  std::array<Eigen::Matrix3d, limits::kInitialFrames> R_IC;
+  std::array<InitialTrack, limits::kInitialTracks> tracks;
   std::uint64_t seed = 0;
-  StartOptions options;
-  StartPictures pictures;
+  InitialisationOptions options;
+  InitialImages pictures;
   AlignmentWorkspace alignment;
-  StartWorkspace workspace;
-  StartOutcome outcome;  ///< the result
+  InitialWorkspace workspace;
+  InitialOutcome outcome;  ///< the result
 };
 
 /// A pure function of the job's snapshot.
-void run_start(StartJob* job);
+void run_initialisation(InitialisationJob* job);
 
-/// Instead of run_start(), when there is no memory for it.
-void skip_start(StartJob* job);
+/// Instead of run_initialisation(), when there is no memory for it.
+void skip_initialisation(InitialisationJob* job);
 
 }  // namespace polhode

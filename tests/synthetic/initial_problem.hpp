@@ -12,12 +12,12 @@
 
 namespace polhode::synthetic {
 
-/// The first kStartFrames frames of each of the first kStartTracks tracks.
-inline std::vector<StartTrack> to_start_tracks(const std::vector<Track>& tracks,
+/// The first kInitialFrames frames of each of the first kInitialTracks tracks.
+inline std::vector<InitialTrack> to_start_tracks(const std::vector<Track>& tracks,
                                                double sigma_normalised) {
-  std::vector<StartTrack> out;
+  std::vector<InitialTrack> out;
   for (const Track& track : tracks) {
-    StartTrack start;
+    InitialTrack start;
     for (const Observation& o : track.observations) {
       (void)start.observations.push_back(
           {.frame = o.frame, .normalised = o.normalised, .sigma_normalised = sigma_normalised});
@@ -27,7 +27,7 @@ inline std::vector<StartTrack> to_start_tracks(const std::vector<Track>& tracks,
   return out;
 }
 
-struct StartErrors {
+struct InitialErrors {
   double depth = 1e300;  ///< depth profile in the first posed frame: RMS error over RMS depth,
                          ///< after scaling by the sides
   double rotation =
@@ -36,10 +36,10 @@ struct StartErrors {
 };
 
 /// Against the truth; the outcome has to have poses.
-inline StartErrors compare_start(const StartOutcome& out,
+inline InitialErrors compare_start(const InitialOutcome& out,
                                  const std::vector<Track>& tracks,
                                  const Motion& motion) {
-  StartErrors errors;
+  InitialErrors errors;
   std::size_t first = out.frames.size();
   std::size_t last = 0;
   for (std::size_t f = 0; f < out.frames.size(); ++f) {
