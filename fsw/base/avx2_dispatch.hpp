@@ -16,12 +16,12 @@ template <class Work>
 
 /// @param work  a callable without parameters, whose functions this source file holds.
 template <class Work>
-auto widely(const Work& work) {
+auto with_avx2(const Work& work) {
   return has_avx2() ? run_avx2(work) : work();
 }
 #else
 template <class Work>
-auto widely(const Work& work) {
+auto with_avx2(const Work& work) {
   return work();
 }
 #endif

@@ -91,7 +91,7 @@ void match_mutual(std::span<const Feature> a,
   POLHODE_ASSERT(a.size() <= limits::kFeatures && b.size() <= limits::kFeatures, a.size());
   Bests forward;
   Bests back;
-  widely([&] { find_nearest(a, b, &forward, &back); });
+  with_avx2([&] { find_nearest(a, b, &forward, &back); });
   const double ratio2 = ratio_max * ratio_max;
   const auto stands_out = [&](const NearestFeature& best) {
     return best.nearest2 <= ratio2 * best.rival2;

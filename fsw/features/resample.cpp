@@ -138,7 +138,7 @@ void resample(const cv::Mat& gray,
   const float* row = scratch->row.data();
   scratch->toned.y.fill(-1);
   for (int y = 0; y < size.height; ++y) {
-    widely([&] { weigh_rows(gray, region_px, tone, y, scratch); });
+    with_avx2([&] { weigh_rows(gray, region_px, tone, y, scratch); });
     if (scratch->across.taps == kCubicTaps) {
       weigh_columns<kCubicTaps>(row, scratch->across, size.width, out.row(y));
     } else {

@@ -101,7 +101,7 @@ void clear(QualityHistory* history);
 /// The verdict on a frame, by itself and by the last good frames. A fault that persists (seen in
 /// most of the last frames) is a property of the scene or the camera. Such a frame is a degraded
 /// frame, pose only, and becomes part of the history. Dark, flat and frozen frames are never used.
-FrameVerdict judge_quality(const ImageQuality& quality,
+FrameVerdict assess_quality(const ImageQuality& quality,
                            const ImageOptions& options,
                            QualityHistory* history);
 

@@ -23,7 +23,7 @@ struct InitialImages {
 
   /// nullptr where there is none.
   [[nodiscard]] const Crop* crop(std::size_t frame) const {
-    return crop_of[frame] < 0 ? nullptr : &crops.held[static_cast<std::uint8_t>(crop_of[frame])];
+    return crop_of[frame] < 0 ? nullptr : &crops.kept[static_cast<std::uint8_t>(crop_of[frame])];
   }
 };
 

@@ -118,10 +118,10 @@ double compare_at_rest(Selection* c) {
   constexpr int kRotation = 3;  // unknowns
   const double of_unknown = std::log(2.0 * static_cast<double>(winner.fit.observations));
   const double noise = std::max(1.0, winner.fit.noise_scale);
-  const double evidence = kRotation * (winner.fit.frames - 1) * of_unknown -
+  const double margin = kRotation * (winner.fit.frames - 1) * of_unknown -
                           (at_rest.fit.cost - winner.fit.cost) / (noise * noise);
-  if (!(evidence > 0.0)) {
-    return evidence;
+  if (!(margin > 0.0)) {
+    return margin;
   }
   // Free rotation has so many unknowns that much is forgiven to rest. A steady one has three.
   c->w.finalists.resize(2);
@@ -135,7 +135,7 @@ double compare_at_rest(Selection* c) {
   }
   winner = at_rest;
   c->rotations_fixed = true;
-  return evidence;
+  return margin;
 }
 
 }  // namespace polhode

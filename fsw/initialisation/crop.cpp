@@ -97,16 +97,16 @@ void keep_crop(const cv::Mat& gray,
   // Numbers begin again when a component does.
   const int same = find_crop(frame, *crops);
   if (same >= 0) {
-    crops->held[static_cast<std::size_t>(same)].width = 0;
+    crops->kept[static_cast<std::size_t>(same)].width = 0;
   }
-  Crop& crop = crops->held[crops->taken++ % limits::kInitialFrames];
+  Crop& crop = crops->kept[crops->taken++ % limits::kInitialFrames];
   crop.frame = frame;
   take_crop(gray, features, &crop);
 }
 
 int find_crop(std::uint32_t frame, const Crops& crops) {
-  for (std::size_t i = 0; i < crops.held.size(); ++i) {
-    if (crops.held[i].width > 0 && crops.held[i].frame == frame) {
+  for (std::size_t i = 0; i < crops.kept.size(); ++i) {
+    if (crops.kept[i].width > 0 && crops.kept[i].frame == frame) {
       return static_cast<int>(i);
     }
   }

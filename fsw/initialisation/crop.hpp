@@ -30,7 +30,7 @@ struct Crop {
 
 /// Crops of the newest kept frames. A new one takes the place of the oldest.
 struct Crops {
-  std::array<Crop, limits::kInitialFrames> held;
+  std::array<Crop, limits::kInitialFrames> kept;
   std::uint32_t taken = 0;  ///< so many were kept
 };
 

@@ -143,7 +143,7 @@ std::optional<double> compose(const Parameters& fit, Motion* motion) {
   return step.norm();
 }
 
-Registration judge(const PatchTemplate& patch,
+Registration accepted_registration(const PatchTemplate& patch,
                    const Levels& levels,
                    const Parameters& fit,
                    const Eigen::Vector2d& place) {
@@ -227,7 +227,7 @@ std::optional<Registration> register_patch(const PatchTemplate& patch,
       return std::nullopt;
     }
     if (*step_px < kSettled_px) {
-      return judge(patch, levels, fit, motion.place);
+      return accepted_registration(patch, levels, fit, motion.place);
     }
   }
   return std::nullopt;

@@ -21,7 +21,7 @@ void begin_drift(const Eigen::Matrix3d& R_first_CT,
   drift->turn_rad = turn_rad;
 }
 
-void hold_turn(double relative_sigma, double extent_mu, MapDrift* drift) {
+void constrain_turn(double relative_sigma, double extent_mu, MapDrift* drift) {
   drift->initial_turn_sigma = std::min(1.0, relative_sigma);
   drift->initial_sigma_mu = drift->initial_turn_sigma / std::sqrt(3.0) * extent_mu;
   drift->initial_turn_rad = drift->turn_rad;
@@ -45,11 +45,11 @@ void add_keyframe_error(const LocalisedFrame& keyframe, MapDrift* drift) {
   drift->walk += with_clutter(keyframe);
 }
 
-void hold_at_both_ends(MapDrift* drift) {
+void fix_both_ends(MapDrift* drift) {
   // A random walk fixed at both ends (Brownian bridge) has t (1 - t) of its variance.
-  constexpr double kMiddleOfAHeldWalk = 0.25;
-  drift->walk = drift->held + kMiddleOfAHeldWalk * (drift->walk - drift->held);
-  drift->held = drift->walk;
+  constexpr double kMiddleOfAFixedWalk = 0.25;
+  drift->walk = drift->fixed + kMiddleOfAFixedWalk * (drift->walk - drift->fixed);
+  drift->fixed = drift->walk;
 }
 
 void add_reanchoring(double attitude_sigma_rad,
@@ -69,7 +69,7 @@ void close_reanchoring(MapDrift* drift) {
 
 void replace_random_walk(const PoseCovariance& covariance, MapDrift* drift) {
   drift->walk = covariance;
-  drift->held = covariance;
+  drift->fixed = covariance;
 }
 
 PoseCovariance covariance(const MapDrift& drift) {

@@ -20,7 +20,7 @@ namespace polhode {
 /// of T from then on, of which no later picture tells.
 struct MapDrift {
   PoseCovariance walk = PoseCovariance::Zero();
-  PoseCovariance held = PoseCovariance::Zero();  ///< what of it no closed loop lessens any more
+  PoseCovariance fixed = PoseCovariance::Zero();  ///< what of it no closed loop lessens any more
   PoseCovariance reanchoring = PoseCovariance::Zero();
   std::uint32_t reanchored_keyframe =
       0;  ///< number of the first keyframe after the re-anchoring; 0: there is nothing to close
@@ -43,7 +43,7 @@ void begin_drift(const Eigen::Matrix3d& R_first_CT,
 
 /// The body's motion has been fitted together with the map, and tells the turn so far to this part
 /// of itself: depths are off by as much still, and with them the unit that comes of them.
-void hold_turn(double relative_sigma, double extent_mu, MapDrift* drift);
+void constrain_turn(double relative_sigma, double extent_mu, MapDrift* drift);
 
 /// 1-sigma of a factor that all turns so far may have, less one.
 [[nodiscard]] double turn_sigma(const MapDrift& drift);
@@ -60,7 +60,7 @@ void add_keyframe_error(const LocalisedFrame& keyframe, MapDrift* drift);
 
 /// A walk that is held at both ends, as by a closed loop, has at most a quarter of its variance, in
 /// its middle. What was held before stays: a loop closes over many keyframes.
-void hold_at_both_ends(MapDrift* drift);
+void fix_both_ends(MapDrift* drift);
 
 /// A start after a loss has been set into T.
 /// @param next_keyframe  number of its first keyframe.

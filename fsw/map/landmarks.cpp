@@ -255,7 +255,7 @@ void match_partner(KeyframeId a,
   scratch->distance_of_b.fill(std::numeric_limits<std::int32_t>::max());
   const double ratio2 = options.ratio_max * options.ratio_max;
   for (const std::int32_t index : scratch->free_a) {
-    const NearestFeature best = widely([&] {
+    const NearestFeature best = with_avx2([&] {
       return search_line(
           own.features[static_cast<std::size_t>(index)], partner, E, focal_px, scratch);
     });
@@ -339,7 +339,7 @@ int extend_landmarks(std::int32_t first_number, const CameraModel& camera, Map* 
       (void)young.push_back(LandmarkId::from_index(i));
     }
   }
-  int tied = 0;
+  int associated = 0;
   FeatureGrid grid;
   std::array<bool, limits::kLandmarks> seen{};
   for (const KeyframeId id : keyframes_by_age(*map)) {
@@ -361,14 +361,14 @@ int extend_landmarks(std::int32_t first_number, const CameraModel& camera, Map* 
         continue;
       }
       const std::int32_t feature =
-          widely([&] { return find_in(map->landmarks[landmark.index()], keyframe, grid, camera); });
+          with_avx2([&] { return find_in(map->landmarks[landmark.index()], keyframe, grid, camera); });
       if (feature >= 0) {
         add_observation(id, static_cast<std::size_t>(feature), landmark, map);
-        ++tied;
+        ++associated;
       }
     }
   }
-  return tied;
+  return associated;
 }
 
 }  // namespace polhode

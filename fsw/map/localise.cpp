@@ -146,27 +146,27 @@ struct Agreement {
 /// Of a side that has come back, seen through the drift since, some landmark or other stands within
 /// the gate of a wrong feature (one in 16, in the smallest circle). Such ties hold the drift in
 /// place: an old side takes part where it agrees half as well as the young one, and beyond chance.
-bool drop_old_side_that_disagrees(const Map& map, LandmarkMatches* matches) {
+bool drop_old_aspect_that_disagrees(const Map& map, LandmarkMatches* matches) {
   constexpr std::ptrdiff_t kInliersMin = 8;  // of an aspect: with fewer the rule below is noise
   constexpr std::ptrdiff_t kYoungMin = 20;   // fewer are no measure
   constexpr double kChance = 1.0 / 16.0;     // of a wrong feature to fall within the gate
-  Agreement old_side;
+  Agreement old_aspect;
   Agreement young;
-  const auto is_of_old_side = [&](const LandmarkMatch& match) {
+  const auto is_of_old_aspect = [&](const LandmarkMatch& match) {
     return is_old(map.landmarks[match.landmark.index()], map);
   };
   for (const LandmarkMatch& match : *matches) {
-    Agreement& side = is_of_old_side(match) ? old_side : young;
-    ++side.matches;
-    side.inliers += match.inlier ? 1 : 0;
+    Agreement& aspect = is_of_old_aspect(match) ? old_aspect : young;
+    ++aspect.matches;
+    aspect.inliers += match.inlier ? 1 : 0;
   }
   const double part_min =
       std::max(2.0 * kChance, young.matches < kYoungMin ? 4.0 * kChance : 0.5 * young.part());
-  if (old_side.matches == 0 || (old_side.inliers >= kInliersMin && old_side.part() >= part_min)) {
+  if (old_aspect.matches == 0 || (old_aspect.inliers >= kInliersMin && old_aspect.part() >= part_min)) {
     return false;
   }
   matches->resize(static_cast<std::size_t>(
-      std::remove_if(matches->begin(), matches->end(), is_of_old_side) - matches->begin()));
+      std::remove_if(matches->begin(), matches->end(), is_of_old_aspect) - matches->begin()));
   return true;
 }
 
@@ -200,7 +200,7 @@ void match_about(const LocaliseInput& input,
     }
     ++out->predicted;
     const double size_px = landmark.size_mu * focal_px / pose.to_camera(landmark.p_T).z();
-    const NearestFeature best = widely(
+    const NearestFeature best = with_avx2(
         [&] { return best_candidate(input, landmark, pixel, size_px, radius_px, scratch->grid); });
     if (best.feature < 0 || best.nearest2 > kDistance2Max || best.nearest2 > ratio2 * best.rival2) {
       continue;
@@ -245,7 +245,7 @@ Result<bool> solve_matched(const LocaliseInput& input,
                            LocalisedFrame* out) {
   Result<bool> solved = solve_all(input, hint, scratch, out);
   if (solved && input.age == LandmarkAge::kAny &&
-      drop_old_side_that_disagrees(*input.map, &out->matches)) {
+      drop_old_aspect_that_disagrees(*input.map, &out->matches)) {
     solved = solve_all(input, hint, scratch, out);
   }
   return solved;

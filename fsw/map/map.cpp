@@ -22,10 +22,10 @@ Landmark& at(Map* map, LandmarkId id) {
 /// Where a view from this direction goes: the views that differ most are kept, a new one replaces
 /// the one nearest to it once all places are taken.
 LandmarkView* place_for(const Eigen::Vector3d& direction_T, Landmark* landmark) {
-  constexpr double kSameSide = 0.966;  // cos 15 deg: nearer views look alike
-  for (LandmarkView& held : landmark->views) {
-    if (held.direction_T.dot(direction_T) > kSameSide) {
-      return &held;  // the newer one has the newer light
+  constexpr double kSameView = 0.966;  // cos 15 deg: nearer views look alike
+  for (LandmarkView& kept : landmark->views) {
+    if (kept.direction_T.dot(direction_T) > kSameView) {
+      return &kept;  // the newer one has the newer light
     }
   }
   if (!landmark->views.full()) {

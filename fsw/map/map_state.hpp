@@ -66,8 +66,8 @@ struct MapState {
   Pyramid pyramid;                 ///< of this frame, once it is followed
   LocalisedFrame localised;        ///< this frame's pose and matches
   bool pose_valid = false;         ///< this frame has a pose
-  bool pose_teaches = true;        ///< not mostly what the motion expects, nor the last one again
-  PoseCovariance doubted =
+  bool pose_updates_motion = true;        ///< not mostly what the motion expects, nor the last one again
+  PoseCovariance inconsistency =
       PoseCovariance::Zero();  ///< of a pose that departs from the motion, or repeats: by how much
   PosesBefore before;
   GrowthWaiting growth;

@@ -33,7 +33,7 @@ double changes_rad(std::span<const ReanchorFrame> frames, double turn_rad) {
                     2.0 * std::sin(0.5 * turn_rad) * most->predicted_sigma_rad);
 }
 
-void judge_attitudes(std::span<const ReanchorFrame> frames, Reanchoring* reanchoring) {
+void check_attitudes(std::span<const ReanchorFrame> frames, Reanchoring* reanchoring) {
   double squares = 0.0;
   for (const ReanchorFrame& frame : frames) {
     const Eigen::Matrix3d R_CT = frame.start.R_CT * reanchoring->to_T.R_ba.transpose();
@@ -76,7 +76,7 @@ Eigen::Vector4d scale_and_origin(std::span<const ReanchorFrame> frames,
   const auto weight = [](double sigma) { return 1.0 / (sigma * sigma); };
   const double shape_weight = weight(kShapeOfPath_radii * body.radius_mu);
   const Pose& last = frames.back().predicted;
-  const Eigen::Vector3d near_side_T =
+  const Eigen::Vector3d near_face_T =
       body.centre_T +
       kNearSide_radii * body.radius_mu * (last.camera_T() - body.centre_T).normalized();
   Vector7 weights;
@@ -84,7 +84,7 @@ Eigen::Vector4d scale_and_origin(std::span<const ReanchorFrame> frames,
       Eigen::Vector3d::Constant(weight(kNearSide_radii * body.radius_mu)),
       Eigen::Vector3d::Constant(weight(frames.front().predicted_sigma_mu));
   Vector7 expected;
-  expected << 1.0, near_side_T, Eigen::Vector3d::Zero();
+  expected << 1.0, near_face_T, Eigen::Vector3d::Zero();
   Eigen::Matrix<double, 7, 7> normal = weights.asDiagonal();
   Vector7 right = weights.cwiseProduct(expected);
   for (const ReanchorFrame& frame : frames) {
@@ -119,7 +119,7 @@ Result<Reanchoring> reanchor_initial(std::span<const ReanchorFrame> frames,
   }
   reanchoring.to_T.scale = found(0);
   reanchoring.to_T.t_ba = found.tail<3>();
-  judge_attitudes(frames, &reanchoring);
+  check_attitudes(frames, &reanchoring);
   return reanchoring;
 }
 

@@ -188,22 +188,22 @@ bool find_about(const MapInput& input, const ExpectedPose& expected, MapState* s
   return best_believable;
 }
 
-bool find_about_departed(const MapInput& input, const ExpectedPose& expected, MapState* s) {
+bool find_about_inconsistent(const MapInput& input, const ExpectedPose& expected, MapState* s) {
   return find_about(input, expected, s) && !is_thin(s->localised, *s);
 }
 
-bool overrule_motion(const MapInput& input, const ExpectedPose& expected, bool held, MapState* s) {
+bool overrule_motion(const MapInput& input, const ExpectedPose& expected, bool found_with_prior, MapState* s) {
   const LocalisedFrame& best = s->scratch.other;
   if (best.absolute.inliers < kInliersAlone || is_thin(best, *s) || !tried_prior(expected) ||
       !within_reach(expected, best.absolute, s->moved_rad) ||
-      !outnumbers(best.absolute.inliers, held ? s->localised.absolute.inliers : 0)) {
+      !outnumbers(best.absolute.inliers, found_with_prior ? s->localised.absolute.inliers : 0)) {
     return false;
   }
   take_matches(localise_input(input, s->map), best, &s->scratch.localise, &s->localised);
   return true;
 }
 
-bool hold_about(const MapInput& input, const ExpectedPose& expected, MapState* s) {
+bool find_with_prior(const MapInput& input, const ExpectedPose& expected, MapState* s) {
   const std::optional<PosePrediction> prior = tried_prior(expected);
   if (!prior) {
     return false;
@@ -229,8 +229,8 @@ bool recognise_frame(const MapInput& input, MapState* s) {
     return done && agrees(s->localised, input.localise->inliers_min);
   };
   const bool goes_on = last.frames > 0 && input.frame - last.frame <= kGapMax;
-  const bool anew = agreed(recognise(localise, &s->scratch.localise, &s->localised));
-  if (!anew && !(goes_on && agreed(localise_roughly(
+  const bool found_again = agreed(recognise(localise, &s->scratch.localise, &s->localised));
+  if (!found_again && !(goes_on && agreed(localise_roughly(
                                 localise, last.pose, &s->scratch.localise, &s->localised)))) {
     return false;
   }
@@ -258,7 +258,7 @@ bool is_ambiguous(const MapInput& input, const std::optional<ExpectedPose>& expe
   return rival;
 }
 
-bool comes_back(const MapState& s) {
+bool is_revisited(const MapState& s) {
   int old = 0;
   int old_inliers = 0;
   for (const LandmarkMatch& match : s.localised.matches) {
@@ -272,7 +272,7 @@ bool comes_back(const MapState& s) {
 }
 
 bool jumps_by_drift(const ExpectedPose& expected, const MapState& s) {
-  return comes_back(s) && within_steps(expected, s.localised.absolute, s.moved_rad);
+  return is_revisited(s) && within_steps(expected, s.localised.absolute, s.moved_rad);
 }
 
 bool plausible(const ExpectedPose& expected, bool initialisation_checks, const MapState& s) {
@@ -294,7 +294,7 @@ bool plausible(const ExpectedPose& expected, bool initialisation_checks, const M
 bool believable(const ExpectedPose& expected, bool initialisation_checks, const MapState& s) {
   return plausible(expected, initialisation_checks, s) ||
          (within_reach(expected, s.localised.absolute, s.moved_rad) &&
-          (comes_back(s) || certain(s.localised)));
+          (is_revisited(s) || certain(s.localised)));
 }
 
 void fuse_with_prior(const PosePrediction& prior, MapState* s) {
@@ -316,9 +316,9 @@ void fuse_with_prior(const PosePrediction& prior, MapState* s) {
       &s->localised);
 }
 
-void doubt_pose(const PosePrediction& predicted, MapState* s) {
+void mark_inconsistent(const PosePrediction& predicted, MapState* s) {
   const Vector6 apart = difference(s->localised.absolute.pose, predicted.pose);
-  s->doubted = apart * apart.transpose();
+  s->inconsistency = apart * apart.transpose();
 }
 
 bool match_features(const MapInput& input,

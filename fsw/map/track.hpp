@@ -38,20 +38,20 @@ bool find_about(const MapInput& input, const ExpectedPose& expected, MapState* s
 
 /// The same about poses that departed from the motion: they have led to none yet, so that a pose
 /// with under half of the last one's inliers does not bear them out.
-bool find_about_departed(const MapInput& input, const ExpectedPose& expected, MapState* state);
+bool find_about_inconsistent(const MapInput& input, const ExpectedPose& expected, MapState* state);
 
 /// By the few landmarks that agree with the expected pose, and by it: for a view that shows too few
 /// for a pose of its own. Only where the motion behind it has been checked.
-bool hold_about(const MapInput& input, const ExpectedPose& expected, MapState* state);
+bool find_with_prior(const MapInput& input, const ExpectedPose& expected, MapState* state);
 
 /// The pose that find_about() has kept, where it is the motion that must err: it has as many
 /// inliers as a pose needs that nothing supports, half of those of the last one, and beyond chance
 /// more than the pose that the motion holds.
-/// Only after hold_about() could have held one.
+/// Only after find_with_prior() could have held one.
 /// @param held  it has.
 bool overrule_motion(const MapInput& input,
                      const ExpectedPose& expected,
-                     bool held,
+                     bool found_with_prior,
                      MapState* state);
 
 /// By descriptors alone, over all keyframes.
@@ -80,7 +80,7 @@ bool plausible(const ExpectedPose& expected, bool initialisation_checks, const M
 
 /// An aspect has come back, and its old landmarks carry the pose: then the drift of the young ones,
 /// not the body, has jumped.
-bool comes_back(const MapState& state);
+bool is_revisited(const MapState& state);
 
 /// It has come back, and the pose is no further from the motion than a contact could bring it: more
 /// is no drift.
@@ -96,7 +96,7 @@ void fuse_with_prior(const PosePrediction& prior, MapState* state);
 
 /// This frame's pose departs from the motion so far, which has led to others, and nobody knows yet
 /// which of the two is wrong: the pose is as uncertain as they differ.
-void doubt_pose(const PosePrediction& predicted, MapState* state);
+void mark_inconsistent(const PosePrediction& predicted, MapState* state);
 
 /// Gives a pose that was found by flow matches to this frame's features, so that it can become a
 /// keyframe.

@@ -143,7 +143,7 @@ bool is_valid(const Map& map, const CameraModel& camera, std::int64_t now_ns) {
 }
 
 bool is_valid(const MapDrift& drift) {
-  return is_covariance(drift.walk) && is_covariance(drift.held) &&
+  return is_covariance(drift.walk) && is_covariance(drift.fixed) &&
          is_covariance(drift.reanchoring) && is_rotation(drift.R_first_CT) &&
          is_at_least(drift.initial_turn_sigma, 0.0) && is_at_least(drift.initial_sigma_mu, 0.0) &&
          is_at_least(drift.initial_turn_rad, 0.0) && is_at_least(drift.turn_rad, 0.0);

@@ -48,7 +48,7 @@ void find_appearances(const cv::Mat& picture, AppearanceScratch* s) {
   cv::erode(picture, s->other, cv::Mat());
   cv::subtract(range, s->other, range);
   s->appearances.create(picture.size(), CV_8UC1);
-  widely([&] {
+  with_avx2([&] {
     const int columns = picture.cols;  // a copy: written octets might alias the original
     for (int row = 0; row < picture.rows; ++row) {
       const auto* level = picture.ptr<std::uint8_t>(row);

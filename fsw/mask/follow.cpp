@@ -137,7 +137,7 @@ void form_unary_cost(const cv::Rect& box, MaskState* s) {
   unary_cost.create(s->foreground.log_odds.size(), CV_32FC1);
   cover_by_half(s->outline, unary_cost.size(), &outline_cells);
   const cv::Rect part = coarser(box, s->foreground.step);
-  widely([&] {
+  with_avx2([&] {
     for (int row = part.y; row < part.br().y; ++row) {
       const auto* log_odds = s->foreground.log_odds.ptr<float>(row);
       const auto* outline = outline_cells.ptr<std::uint8_t>(row);

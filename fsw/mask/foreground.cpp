@@ -125,7 +125,7 @@ void find_bounds(const cv::Mat& before, ForegroundState* s) {
   cv::erode(before, s->low, around);
   cv::dilate(before, s->high, around);
   s->bounds.create(before.size(), CV_16UC1);
-  widely([&] {
+  with_avx2([&] {
     const int columns = before.cols;
     for (int row = 0; row < before.rows; ++row) {
       const auto* low = s->low.ptr<std::uint8_t>(row);
@@ -142,7 +142,7 @@ void find_bounds(const cv::Mat& before, ForegroundState* s) {
 void measure_excess(const cv::Mat& now, double cap, ForegroundState* s) {
   look_up(s->bounds, s->origins, &s->warped);
   s->excess.create(now.size(), CV_8UC1);
-  widely([&] {
+  with_avx2([&] {
     const int columns = now.cols;  // a copy: written octets might alias the original
     const auto most = static_cast<std::int16_t>(cap);
     for (int row = 0; row < now.rows; ++row) {
@@ -264,7 +264,7 @@ void carry_and_add(std::size_t compared_age, const cv::Rect& region, ForegroundS
   carry(s->flow, kCell_px, region, s->step, s->log_odds, &s->from, &s->carried);
   const cv::Rect part = coarser(region, s->step);
   s->log_odds.setTo(0.0);
-  widely([&] {
+  with_avx2([&] {
     const int step = s->step;
     for (int row = 0; row < part.height; ++row) {
       const auto* carried = s->carried.ptr<float>(row);
@@ -341,7 +341,7 @@ void remember_outline(const cv::Mat& outline, ForegroundState* s) {
   // After one image 0.55 of it is left, which is over kTargetLogOdds, and after two it is under.
   constexpr float kRemembered = 0.7F;
   cover_by_half(outline, s->log_odds.size(), &s->covered);
-  widely([&] {
+  with_avx2([&] {
     for (int row = 0; row < s->log_odds.rows; ++row) {
       const auto* target = s->covered.ptr<std::uint8_t>(row);
       auto* total = s->log_odds.ptr<float>(row);

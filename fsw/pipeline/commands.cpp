@@ -4,7 +4,7 @@
 
 #include "base/crc.hpp"
 #include "base/validity.hpp"
-#include "base/time_doubt.hpp"
+#include "base/earlier_times.hpp"
 #include "bus/commands.hpp"
 #include "bus/dynamics_telemetry.hpp"
 #include "motion/disturbance.hpp"

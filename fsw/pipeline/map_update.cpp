@@ -21,7 +21,7 @@ void take_motion_of_map(const RigidModel& model, Component::State* s) {
   MapDrift& drift = s->mapping.drift;
   if (left) {
     replace_random_walk(left->covariance_C, &drift);
-    hold_turn(left->relative_speed_sigma, s->mapping.map.radius_mu, &drift);
+    constrain_turn(left->relative_speed_sigma, s->mapping.map.radius_mu, &drift);
   }
   if (reaches_over_reanchoring(s->mapping)) {
     close_reanchoring(

@@ -45,7 +45,7 @@ void fill_motion(const MapState& mapping,
                  MotionState* m) {
   const AbsolutePose& found = mapping.localised.absolute;
   fill_pose_in_unit(found.pose,
-                    found.covariance + covariance(mapping.drift) + mapping.doubted,
+                    found.covariance + covariance(mapping.drift) + mapping.inconsistency,
                     camera,
                     unit,
                     q_last,
@@ -132,7 +132,7 @@ MotionState motion_state(std::int64_t timestamp_ns,
   m.landmarks = bus::clipped(static_cast<std::size_t>(mapping.map.landmark_count));
   m.keyframes = bus::clipped(static_cast<std::size_t>(mapping.map.keyframe_count));
   if (mapping.pose_valid) {
-    m.doubted = !mapping.doubted.isZero(0.0);
+    m.doubted = !mapping.inconsistency.isZero(0.0);
     fill_motion(mapping,
                 s->motion,
                 s->configuration.parameters.motion,

@@ -104,7 +104,7 @@ void bring_to_rest(Component* component) {
   take_counts(&mapping.counts, &s->jobs.counts, &s->counters);
 }
 
-CameraFit test_camera_converged(Component* component) {
+CameraFit test_camera_at_rest(Component* component) {
   // Chosen: a second or two of work, and the sigma of a sweep of a right angle stays at a per cent.
   constexpr BundleOptions kOptions{
       .iterations_max = 100, .cauchy_sigma = 2.0, .observations_max = 6000};
@@ -122,7 +122,7 @@ CameraFit test_camera_converged(Component* component) {
   return fit;
 }
 
-ConvergedMap::ConvergedMap(Component* component)
+MapAtRest::MapAtRest(Component* component)
     : state_(ComponentAccess::state(*component)),
       slot_of_number_(static_cast<std::size_t>(state_->mapping.map.next_landmark_number), -1) {
   const auto& landmarks = state_->mapping.map.landmarks;
@@ -133,7 +133,7 @@ ConvergedMap::ConvergedMap(Component* component)
   }
 }
 
-SmoothedPose ConvergedMap::from_log(std::uint32_t frame,
+SmoothedPose MapAtRest::from_log(std::uint32_t frame,
                                  const Pose& hint,
                                  std::span<const Observation> inliers) const {
   const Map& map = state_->mapping.map;
@@ -159,7 +159,7 @@ SmoothedPose ConvergedMap::from_log(std::uint32_t frame,
   return refine(observations, hint);
 }
 
-SmoothedPose ConvergedMap::from_image(const Frame& frame) {
+SmoothedPose MapAtRest::from_image(const Frame& frame) {
   Component::State* s = state_;
   const Configuration& c = s->configuration;
   forget_frame(s);

@@ -24,7 +24,7 @@ struct CameraFit;
 void bring_to_rest(Component* component);
 
 /// Tests the camera by the map at rest, and takes the result in.
-CameraFit test_camera_converged(Component* component);
+CameraFit test_camera_at_rest(Component* component);
 
 struct SmoothedPose {
   bool valid = false;
@@ -33,9 +33,9 @@ struct SmoothedPose {
 };
 
 /// Poses of single frames from the map at rest.
-class ConvergedMap {
+class MapAtRest {
  public:
-  explicit ConvergedMap(Component* component);
+  explicit MapAtRest(Component* component);
 
   /// From what the step measured: a keyframe has its adjusted pose, another frame the pose that its
   /// logged observations give. `hint` is the causal pose.
@@ -56,7 +56,7 @@ class ConvergedMap {
 /// @return false where there is none, or nothing can be read in it.
 bool read_scale_in_keyframe(Component* component);
 
-/// Reads it in the picture that ConvergedMap::from_image() found a pose for last.
+/// Reads it in the picture that MapAtRest::from_image() found a pose for last.
 bool read_scale_in_image(Component* component);
 
 /// Reads the configured diameter or edge in a shape, in map units.

@@ -97,7 +97,7 @@ void put_head(Archive* a, H& head) {
   auto& body = f.body;
   put(a, body.known, body.shape, body.shape_sigma, body.mass_centre_T, body.mass_centre_sigma);
   auto& d = head.drift;
-  put(a, d.walk, d.held, d.reanchoring, d.reanchored_keyframe, d.R_first_CT);
+  put(a, d.walk, d.fixed, d.reanchoring, d.reanchored_keyframe, d.R_first_CT);
   put(a, d.initial_turn_sigma, d.initial_sigma_mu, d.initial_turn_rad, d.turn_rad);
 }
 
@@ -236,7 +236,7 @@ bool is_valid(const Head& head) {
   const MapDrift& d = head.drift;
   return validity::is_at_least(head.facts.metres_per_mu, 1e-12) &&
          validity::is_at_least(head.facts.scale_sigma, 0.0) && polhode::is_valid(head.facts.body) &&
-         polhode::is_valid(d) && is_error(d.walk) && is_error(d.held) && is_error(d.reanchoring) &&
+         polhode::is_valid(d) && is_error(d.walk) && is_error(d.fixed) && is_error(d.reanchoring) &&
          d.reanchored_keyframe < head.facts.keyframes;
 }
 

@@ -56,7 +56,7 @@ int cells(double length, double pitch) {
       std::clamp(std::round(length / pitch), 1.0, static_cast<double>(limits::kCloudPoints)));
 }
 
-struct Side {
+struct Face {
   double position = 0.0;  // along the axis
   double sigma = 0.0;
   bool found = false;
@@ -64,14 +64,14 @@ struct Side {
 
 /// The box's side at one end of an axis: the plane with most points of those near that end. Without
 /// one, where the points end.
-Side find_side(const Planes& planes,
+Face find_face(const Planes& planes,
                const Eigen::Vector3d& axis_T,
                const Extent& extent,
                double sign,
                double spacing) {
   const double end = sign > 0.0 ? extent.most : extent.least;
   const double depth_max = std::max(kSideDepthMax * (extent.most - extent.least), spacing);
-  Side side{.position = end, .sigma = kEndSigma_spacings * spacing};
+  Face side{.position = end, .sigma = kEndSigma_spacings * spacing};
   std::size_t inliers = 0;
   for (const Plane& plane : planes) {
     const double cosine = plane.normal_T.dot(axis_T);
@@ -121,8 +121,8 @@ Result<Box> find_box(const Cloud& cloud, const Planes& planes, double spacing, d
       POLHODE_ASSERT(along.push_back(box.R_TB.col(k).dot(point_T)), along.size());
     }
     const Extent extent = robust_extent(along.view());
-    const Side low = find_side(planes, box.R_TB.col(k), extent, -1.0, spacing);
-    const Side high = find_side(planes, box.R_TB.col(k), extent, 1.0, spacing);
+    const Face low = find_face(planes, box.R_TB.col(k), extent, -1.0, spacing);
+    const Face high = find_face(planes, box.R_TB.col(k), extent, 1.0, spacing);
     box.face_found[static_cast<std::size_t>(2 * k)] = low.found;
     box.face_found[static_cast<std::size_t>(2 * k + 1)] = high.found;
     centre_B(k) = 0.5 * (low.position + high.position);

@@ -55,7 +55,7 @@ struct CylinderSupport {
   std::span<const Eigen::Vector3d> points_T;
   const SurfaceNormals& normals;
 
-  [[nodiscard]] bool holds(const Cylinder& c, double band, std::size_t i) const {
+  [[nodiscard]] bool contains(const Cylinder& c, double band, std::size_t i) const {
     const Eigen::Vector3d apart = points_T[i] - c.centre_T;
     const Eigen::Vector3d radial = apart - c.axis_T * c.axis_T.dot(apart);
     const double distance = radial.norm();
@@ -66,7 +66,7 @@ struct CylinderSupport {
   [[nodiscard]] std::size_t count(const Cylinder& c, double band) const {
     std::size_t sum = 0;
     for (std::size_t i = 0; i < points_T.size(); ++i) {
-      sum += holds(c, band, i) ? 1U : 0U;
+      sum += contains(c, band, i) ? 1U : 0U;
     }
     return sum;
   }
@@ -181,7 +181,7 @@ bool refine(const CylinderSupport& support, double band, Cylinder& c, Normal5* i
   double square = 0.0;
   c.inliers = 0;
   for (std::size_t i = 0; i < support.points_T.size(); ++i) {
-    if (!support.holds(c, band, i)) {
+    if (!support.contains(c, band, i)) {
       continue;
     }
     const double residual = c.distance(support.points_T[i]);
@@ -221,7 +221,7 @@ Normal5 covariance_of(const CylinderSupport& support,
   const Eigen::Vector3d e2 = c.axis_T.cross(e1);
   GroupedCovariance<5, kAround * kAlong> grouped;
   for (std::size_t i = 0; i < support.points_T.size(); ++i) {
-    if (!support.holds(c, band, i)) {
+    if (!support.contains(c, band, i)) {
       continue;
     }
     const Eigen::Vector3d apart = support.points_T[i] - c.centre_T;
@@ -249,12 +249,12 @@ void describe(const CylinderSupport& support,
   c.inliers = 0;
   c.beside = 0;
   for (std::size_t i = 0; i < support.points_T.size(); ++i) {
-    if (support.holds(c, band, i)) {
+    if (support.contains(c, band, i)) {
       const Eigen::Vector3d apart = support.points_T[i] - c.centre_T;
       sectors.set(sector(apart.dot(e2), apart.dot(e1), kSectors));
       POLHODE_ASSERT(heights.push_back(c.axis_T.dot(apart)), i);
       ++c.inliers;
-    } else if (support.holds(c, 2.0 * search_band, i)) {
+    } else if (support.contains(c, 2.0 * search_band, i)) {
       ++c.beside;
     }
   }

@@ -43,7 +43,7 @@ struct Support {
   const SurfaceNormals& normals;
   const PlaneOwners& owners;
 
-  [[nodiscard]] bool holds(const Fit& plane, double band, std::size_t i) const {
+  [[nodiscard]] bool contains(const Fit& plane, double band, std::size_t i) const {
     return owners[i] < 0 && agrees(plane, band, i);
   }
   [[nodiscard]] bool agrees(const Fit& plane, double band, std::size_t i) const {
@@ -54,7 +54,7 @@ struct Support {
   [[nodiscard]] std::size_t count(const Fit& plane, double band) const {
     std::size_t sum = 0;
     for (std::size_t i = 0; i < points_T.size(); ++i) {
-      sum += holds(plane, band, i) ? 1U : 0U;
+      sum += contains(plane, band, i) ? 1U : 0U;
     }
     return sum;
   }
@@ -78,7 +78,7 @@ Fit refit(const Support& support, const Fit& start, double band) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   Eigen::Matrix3d square = Eigen::Matrix3d::Zero();
   for (std::size_t i = 0; i < support.points_T.size(); ++i) {
-    if (support.holds(start, band, i)) {
+    if (support.contains(start, band, i)) {
       const Eigen::Vector3d apart = support.points_T[i] - start.mean_T;
       sum += apart;
       square += apart * apart.transpose();
@@ -253,7 +253,7 @@ void find_planes(std::span<const Eigen::Vector3d> points_T,
     }
     const auto number = static_cast<std::int8_t>(planes.size());
     for (std::size_t i = 0; i < points_T.size(); ++i) {
-      if (support.holds(fit, band, i)) {
+      if (support.contains(fit, band, i)) {
         owners[i] = number;
       }
     }

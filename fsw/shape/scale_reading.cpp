@@ -89,7 +89,7 @@ ScaleChange read_in(const Pose& pose,
 }
 
 /// Whether metres are known by an earlier reading, and the map has grown since.
-bool is_anew(std::uint32_t next_keyframe, const ScaleState& scale) {
+bool is_repeated(std::uint32_t next_keyframe, const ScaleState& scale) {
   return scale.known && scale.keyframes_at_reading > 0 && has_grown(next_keyframe, scale);
 }
 
@@ -130,12 +130,12 @@ ScaleChange read_scale(std::int64_t timestamp_ns,
       !frame_reading_is_due(*input.options, map.map.next_keyframe_number, *scale)) {
     return {};
   }
-  const bool anew = is_anew(map.map.next_keyframe_number, *scale);
+  const bool repeated = is_repeated(map.map.next_keyframe_number, *scale);
   const double sigma_before = scale->relative_sigma;
   const ScaleChange change = timestamp_ns == input.options->frame_timestamp_ns
                                  ? read_scale_in_frame(map, input, scale)
                                  : read_scale_in_keyframe(map, input, scale);
-  if (anew && !(change.read && scale->relative_sigma < sigma_before)) {
+  if (repeated && !(change.read && scale->relative_sigma < sigma_before)) {
     ++scale->not_improved;
     scale->keyframes_at_reading = map.map.next_keyframe_number;
   }

@@ -59,7 +59,7 @@ PlaneSearch plane_search(const ShapeOptions& options,
 
 /// Points on the planes along the axis, which a cylinder would replace, less the points beside
 /// each. So a slab cut out of a thick cloud is worth little.
-double worth_of_sides(const Planes& planes, const Cylinder& cylinder) {
+double worth_of_faces(const Planes& planes, const Cylinder& cylinder) {
   double sum = 0.0;
   for (const Plane& plane : planes) {
     if (std::abs(plane.normal_T.dot(cylinder.axis_T)) <= kOrthogonalCosineMax) {
@@ -92,7 +92,7 @@ void find_surfaces(const ShapeOptions& options, std::uint64_t seed, Shape& shape
   const Result<Cylinder> cylinder = find_cylinder(points_T, work.normals, round);
   if (!cylinder ||
       worth_of(cylinder.value()) <
-          kCylinderOverPlanes * worth_of_sides(shape.planes, cylinder.value()) ||
+          kCylinderOverPlanes * worth_of_faces(shape.planes, cylinder.value()) ||
       is_rounded(points_T, cylinder.value(), search.distance_max)) {
     return;
   }

@@ -119,7 +119,7 @@ struct InversePlane {
     const Eigen::Vector3d normal_C(slope.x(), slope.y(), coefficients(0) - slope.dot(ray));
     return coefficients(0) / (normal_C.norm() * ray.homogeneous().norm());
   }
-  [[nodiscard]] bool holds(const Seen& seen, double band) const {
+  [[nodiscard]] bool contains(const Seen& seen, double band) const {
     const double inverse = at(seen);
     return inverse > 0.0 && std::abs(1.0 / inverse - seen.depth) <= band;
   }
@@ -128,7 +128,7 @@ struct InversePlane {
 std::size_t support_of(const InversePlane& plane, const NearTable& near, double band) {
   std::size_t count = 0;
   for (const Seen& seen : near) {
-    count += plane.holds(seen, band) ? 1U : 0U;
+    count += plane.contains(seen, band) ? 1U : 0U;
   }
   return count;
 }
@@ -149,7 +149,7 @@ bool through(const Seen& a, const Seen& b, const Seen& c, double spread2, Invers
 bool witnessed(const InversePlane& plane, const NearTable& near, double band) {
   std::size_t count = 0;
   for (std::size_t i = 0; i < std::min(kWitnesses, near.size()); ++i) {
-    count += plane.holds(near[i], band) ? 1U : 0U;
+    count += plane.contains(near[i], band) ? 1U : 0U;
   }
   return count >= kWitnessesMin;
 }
@@ -235,7 +235,7 @@ bool refine(const NearTable& near, Surface* surface, InverseDepth* at_ray) {
     double square = 0.0;
     std::size_t count = 0;
     for (const Seen& seen : near) {
-      if (plane.holds(seen, band)) {
+      if (plane.contains(seen, band)) {
         const Eigen::Vector3d J(1.0, seen.offset.x(), seen.offset.y());
         const double residual = 1.0 / seen.depth - plane.at(seen);
         H += seen.weight * J * J.transpose();
@@ -278,7 +278,7 @@ double variance_by_others(const NearTable& near, const Surface& surface) {
   double square = 0.0;
   for (const Seen& seen : near) {
     weight += seen.weight;
-    if (!surface.plane.holds(seen, surface.band)) {
+    if (!surface.plane.contains(seen, surface.band)) {
       const double inverse = surface.plane.at(seen);
       // Where the plane has passed the horizon it is as far off as a landmark can be.
       const double off = inverse > 0.0 ? 1.0 / inverse - seen.depth : seen.depth;

@@ -76,7 +76,7 @@ Pose find_pose(std::span<const PoseObservation> observations,
                const Pose* hint,
                const AbsolutePoseOptions& options) {
   const auto score_of = [&](const Pose* pose, double enough) {
-    return widely([&] { return score(*pose, observations, enough); });
+    return with_avx2([&] { return score(*pose, observations, enough); });
   };
   BestHypothesis<Pose> best;
   if (hint != nullptr) {
@@ -172,7 +172,7 @@ Result<AbsolutePose> fit(std::span<const PoseObservation> observations,
                                 .first_three = FirstThree::kRotation};
   int used_min = -1;  // points in front of the camera at the start: none may fall behind it
   const auto linearise = [&](const PoseEquations::Vector& by, PoseEquations* at) {
-    *at = widely([&] { return sum_up(observations, moved(start, by), inlier); });
+    *at = with_avx2([&] { return sum_up(observations, moved(start, by), inlier); });
     used_min = used_min < 0 ? at->used : used_min;
     at->H += prior.information;
     at->g += prior.information * by;

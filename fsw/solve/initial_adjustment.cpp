@@ -198,7 +198,7 @@ bool try_step(std::span<const TrackObservation> observations,
               const InitialGeometryView& geometry,
               double damping,
               Workspace* w) {
-  widely([&] { eliminate_points(observations, damping, w); });
+  with_avx2([&] { eliminate_points(observations, damping, w); });
   Eigen::Ref<Eigen::MatrixXd> S(w->reduced);
   const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factor(S);
   if (factor.info() != Eigen::Success) {
@@ -214,7 +214,7 @@ bool try_step(std::span<const TrackObservation> observations,
       return false;
     }
   }
-  widely([&] { apply_point_steps(observations, geometry, damping, w); });
+  with_avx2([&] { apply_point_steps(observations, geometry, damping, w); });
   return true;
 }
 
@@ -282,7 +282,7 @@ InitialFit adjust_initial(std::span<const TrackObservation> observations,
   bool stale = true;
   for (; iteration < options.iterations_max && damping < kDampingMax; ++iteration) {
     if (stale) {
-      widely([&] { linearise(observations, geometry, options, workspace); });
+      with_avx2([&] { linearise(observations, geometry, options, workspace); });
     }
     stale = false;
     if (!try_step(observations, geometry, damping, workspace)) {

@@ -93,7 +93,7 @@ double total_cost(std::span<const TrackObservation> observations,
                   const InitialGeometryView& geometry,
                   const InitialAdjustmentOptions& options) {
   const Candidate candidate{.poses = poses, .points_T = points_T};
-  return widely([&] {
+  return with_avx2([&] {
     if (options.loss == InitialLoss::kCauchy) {
       return cauchy_cost(observations, candidate, geometry, options);
     }

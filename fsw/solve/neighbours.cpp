@@ -53,7 +53,7 @@ void nearest_descriptors(std::span<const std::uint8_t> reference,
   if (reference.empty()) {
     return;
   }
-  widely([&] {
+  with_avx2([&] {
     for (std::size_t i = 0; i < out.size(); ++i) {
       out[i] = nearest_two(reference, &queries[i * kColumns]);
     }

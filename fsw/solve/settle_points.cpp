@@ -93,7 +93,7 @@ double settle_point(std::span<const BundleObservation> observations,
                     double cauchy_sigma,
                     int steps_max,
                     Eigen::Vector3d* p_T) {
-  return widely([&] { return settled(observations, poses, cauchy_sigma, steps_max, p_T); });
+  return with_avx2([&] { return settled(observations, poses, cauchy_sigma, steps_max, p_T); });
 }
 
 double settle_points(const BundleProblem& problem, const BundleOptions& options) {

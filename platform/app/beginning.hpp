@@ -37,7 +37,7 @@ class Beginning {
   /// neither.
   [[nodiscard]] std::span<const std::uint8_t> octets() const { return loaded_.octets; }
   /// Its memory goes back; how it was stays known.
-  void forget_octets() { loaded_ = {}; }
+  void release_bytes() { loaded_ = {}; }
   /// From restore() on; nullptr: there are no checkpoints.
   [[nodiscard]] CrashWatch* watch() { return watch_ ? &*watch_ : nullptr; }
 

@@ -42,12 +42,12 @@ std::optional<Sequence> take_sequence(const CheckArguments& arguments,
                                       Configuration& configuration) {
   if (arguments.sequence.empty()) {
     if (configuration.has_camera) {
-      judge_configured_camera(arguments.config, configuration.parameters.camera);
+      check_configured_camera(arguments.config, configuration.parameters.camera);
     }
     return std::nullopt;
   }
   Sequence sequence = open_sequence(arguments.sequence);
-  tell_warnings(sequence.warnings);
+  print_warnings(sequence.warnings);
   take_camera(sequence, configuration);
   if (const auto problem = check(configuration.parameters)) {
     throw UnusableInput(fmt::format("{}: {}", arguments.config.string(), problem->message));

@@ -187,7 +187,7 @@ LoadedCheckpoint load(const fs::path& file, const BuildId& build, FileHeader* he
 }
 
 /// Nothing of a refused one is used.
-LoadedCheckpoint judged(LoadedCheckpoint loaded) {
+LoadedCheckpoint validated(LoadedCheckpoint loaded) {
   if (!loaded.refusal.empty()) {
     loaded.octets = loaded.content = {};
     loaded.restarts = loaded.checksum = 0;
@@ -253,7 +253,7 @@ LoadedCheckpoint checkpoint_in_memory(const Component& component, const Checkpoi
 
 LoadedCheckpoint load_whole_checkpoint(const fs::path& file, const BuildId& build) {
   FileHeader header;
-  return judged(load(file, build, &header));
+  return validated(load(file, build, &header));
 }
 
 LoadedCheckpoint load_checkpoint_file(const fs::path& file,
@@ -273,7 +273,7 @@ LoadedCheckpoint load_checkpoint_file(const fs::path& file,
   if (loaded.refusal.empty() && !(loaded.age_s >= 0.0 && loaded.age_s <= age_s_max)) {
     loaded.refusal = fmt::format("{:.0f} s old, allowed are 0 .. {:.0f}", loaded.age_s, age_s_max);
   }
-  return judged(std::move(loaded));
+  return validated(std::move(loaded));
 }
 
 }  // namespace polhode::platform

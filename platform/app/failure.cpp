@@ -36,7 +36,7 @@ void of_exhaustion(Pool /*pool*/, std::size_t /*octets*/) {
 
 void of_assertion(const AssertionReport& report) {
   const Subject subject = g_subject;
-  tell_assertion(report);
+  print_assertion(report);
   if (!leave_crash_mark()) {
     write_checkpoint(subject);
   }
@@ -52,7 +52,7 @@ CheckpointOnFailure::CheckpointOnFailure(const Component& component, CheckpointW
 
 CheckpointOnFailure::~CheckpointOnFailure() {
   set_exhaustion_hook(nullptr);
-  tell_assertions();
+  print_assertions();
   g_subject = {};
 }
 

@@ -20,7 +20,7 @@
 #include "pipeline/smooth.hpp"
 #include "shape/hull.hpp"
 #include "shape/scale_state.hpp"
-#include "tell.hpp"
+#include "print_stderr.hpp"
 
 namespace polhode::platform {
 namespace {
@@ -39,14 +39,14 @@ Pose causal_pose(const MotionState& m) {
 std::vector<SmoothedPose> smooth_frames(Component& component,
                                         const Sequence& sequence,
                                         const ReplayLog& log) {
-  ConvergedMap converged(&component);
+  MapAtRest converged(&component);
   const GroundView view = view_of(component);
   FileCamera camera(sequence);
-  const bool borne_out = is_borne_out(log.published);
+  const bool confirmed = is_confirmed(log.published);
   std::vector<SmoothedPose> poses;
   for (std::size_t i = 0; i < log.published.size(); ++i) {
     const MotionState& m = log.published[i];
-    if (m.doubted || !borne_out) {
+    if (m.doubted || !confirmed) {
       poses.push_back({});
       continue;
     }
@@ -72,7 +72,7 @@ void measure_scale_late(const Sequence& sequence, const ReplayLog& log, Componen
   if (!names_frame(options) || view.map.keyframe_count == 0 || read_scale_in_keyframe(component)) {
     return;
   }
-  ConvergedMap converged(component);
+  MapAtRest converged(component);
   FileCamera camera(sequence);
   for (std::size_t i = 0; i < log.published.size(); ++i) {
     Frame frame;
@@ -123,26 +123,26 @@ void measure_scale_by_shape(Component* component) {
 }
 
 /// A length, range, diameter or edge was given, and lengths are in map units all the same.
-void tell_scale_that_was_not_read(const GroundView& view) {
+void print_scale_that_was_not_read(const GroundView& view) {
   const ScaleOptions& o = view.parameters.scale;
-  const auto tell = [](const char* key, const char* why) {
-    platform::tell("polhode: {}: not read: {}; lengths stay in map units\n", key, why);
+  const auto print_stderr = [](const char* key, const char* why) {
+    platform::print_stderr("polhode: {}: not read: {}; lengths stay in map units\n", key, why);
   };
   if (view.scale.known || view.scale.contradiction) {
     return;
   }
   if (o.known_length_m != 0.0) {
-    tell("scale.known_length_m",
+    print_stderr("scale.known_length_m",
          "its frame has no pose, its points are not on the target, or where they lie is in doubt");
   }
   if (o.range_m != 0.0) {
-    tell("scale.range_m", "its frame has no pose, or the boresight does not meet the target");
+    print_stderr("scale.range_m", "its frame has no pose, or the boresight does not meet the target");
   }
   if (o.known_diameter_m != 0.0) {
-    tell("scale.known_diameter_m", "no round body was found");
+    print_stderr("scale.known_diameter_m", "no round body was found");
   }
   if (o.known_edge_m != 0.0) {
-    tell("scale.known_edge_m", "no flat side with such an edge was found");
+    print_stderr("scale.known_edge_m", "no flat side with such an edge was found");
   }
 }
 
@@ -257,12 +257,12 @@ CameraReport finish_replay(Component& component,
                            const ReplayLog& log,
                            const fs::path& folder) {
   bring_to_rest(&component);
-  const CameraFit camera = test_camera_converged(&component);
+  const CameraFit camera = test_camera_at_rest(&component);
   const std::vector<SmoothedPose> poses = smooth_frames(component, sequence, log);
   measure_scale_late(sequence, log, &component);
   measure_scale_by_shape(&component);
   const GroundView view = view_of(component);
-  tell_scale_that_was_not_read(view);
+  print_scale_that_was_not_read(view);
   const ConfirmedLandmarks landmarks = landmarks_of(view);
   const FoundShape found = find_shape(view, landmarks.points_T);
   write_clouds(found, landmarks, view.parameters.shape, folder);

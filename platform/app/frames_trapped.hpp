@@ -9,12 +9,12 @@ namespace polhode::platform {
 class FramesTrapped {
  public:
   /// @throws RunFailure when the kernel takes no filter.
-  explicit FramesTrapped(bool wished);
+  explicit FramesTrapped(bool requested);
   /// After the last frame: ends the process where it was wished, with status 0.
   void end() const;
 
  private:
-  bool wished_;
+  bool requested_;
 };
 
 }  // namespace polhode::platform

@@ -28,15 +28,15 @@ class LiveReport {
   [[nodiscard]] const MotionState& last() const { return last_; }
 
  private:
-  void say_state(const LiveCamera& camera, const LiveCounts& counts);
+  void report_state(const LiveCamera& camera, const LiveCounts& counts);
 
   ServiceManager& manager_;
   std::int64_t period_ns_;
   std::int64_t due_ns_ = 0;
-  CameraCounters told_;
-  std::array<char, 80> told_state_{};  ///< its beginning, by which a new one is known
+  CameraCounters reported_;
+  std::array<char, 80> reported_state_{};  ///< its beginning, by which a new one is known
   std::int64_t trouble_due_ns_ = 0;    ///< lines about trouble come no faster than this
-  WriteFailures told_failures_;
+  WriteFailures reported_failures_;
   std::int64_t failures_due_ns_ = 0;
   MotionState last_;
 };
@@ -46,6 +46,6 @@ class LiveReport {
 std::uint32_t frames_passed_over(const CameraCounters& camera, const LiveCounts& counts);
 
 /// A line of its own on stderr, cut at 200 characters.
-void say(const char* format, ...) __attribute__((format(printf, 1, 2)));
+void report_line(const char* format, ...) __attribute__((format(printf, 1, 2)));
 
 }  // namespace polhode::platform

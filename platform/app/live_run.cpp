@@ -32,7 +32,7 @@ WriteFailures write_failures(const LiveParts& parts) {
 }
 
 /// What it did not take, at once: to people, and on the bus.
-void tell_disk(LiveParts& parts, std::int64_t now_ns) {
+void notify_disk(LiveParts& parts, std::int64_t now_ns) {
   const WriteFailures failures = write_failures(parts);
   if (parts.report.written(failures, now_ns)) {
     parts.telemetry.disk_refused(failures, parts.transports, parts.report.last().timestamp_ns);
@@ -141,7 +141,7 @@ LiveEnd run_live(LiveParts& parts, const LiveLimits& limits) {
       parts.manager.progress(now_ns);
     }
     attempts = camera.attempts;
-    tell_disk(parts, now_ns);
+    notify_disk(parts, now_ns);
     parts.report.passed(parts.camera, parts.counts, now_ns);
     parts.telemetry.passed(
         parts.counts, parts.camera, parts.transports, now_ns, parts.report.last().timestamp_ns);

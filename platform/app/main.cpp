@@ -26,7 +26,7 @@
 #include "os/linux/libraries.hpp"
 #include "os/linux/standard_files.hpp"
 #include "pipeline/component.hpp"
-#include "tell.hpp"
+#include "print_stderr.hpp"
 
 namespace {
 
@@ -326,11 +326,11 @@ NamedCommand find_command(const CLI::App& app, int argc, char** argv) {
   return named;
 }
 
-void tell_misuse(const NamedCommand& named, const char* problem) {
+void print_misuse(const NamedCommand& named, const char* problem) {
   if (named.unknown.empty()) {
-    polhode::platform::tell("polhode: {} ({} --help shows the usage)\n", problem, named.path);
+    polhode::platform::print_stderr("polhode: {} ({} --help shows the usage)\n", problem, named.path);
   } else {
-    polhode::platform::tell(
+    polhode::platform::print_stderr(
         "{}: unknown command '{}'; allowed are {}\n",
         named.path == "polhode" ? "polhode" : "polhode: " + named.path.substr(8),
         named.unknown,
@@ -363,7 +363,7 @@ int run(int argc, char** argv) {
   } catch (const CLI::Success& request) {  // --help and --version
     return app.exit(request);
   } catch (const CLI::ParseError& problem) {
-    tell_misuse(find_command(app, argc, argv), polhode::platform::legible(problem.what()).c_str());
+    print_misuse(find_command(app, argc, argv), polhode::platform::legible(problem.what()).c_str());
     return kUnusable;
   }
   return 0;
@@ -373,24 +373,24 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   polhode::platform::prepare_standard_files();
-  polhode::platform::tell_assertions();
+  polhode::platform::print_assertions();
   polhode::platform::pin_libraries();
   try {
     const int status = run(argc, argv);
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
-      polhode::platform::tell("polhode: standard output: {}\n",
+      polhode::platform::print_stderr("polhode: standard output: {}\n",
                               std::generic_category().message(errno));
       return kRunFailed;
     }
     return status;
   } catch (const polhode::platform::UnusableInput& problem) {
-    polhode::platform::tell("polhode: {}\n", problem.what());
+    polhode::platform::print_stderr("polhode: {}\n", problem.what());
     return kUnusable;
   } catch (const std::bad_alloc&) {
-    polhode::platform::tell_last("polhode: the machine gives no more memory\n");
+    polhode::platform::print_last("polhode: the machine gives no more memory\n");
     return kRunFailed;
   } catch (const std::exception& problem) {
-    polhode::platform::tell("polhode: {}\n", polhode::platform::legible(problem.what()));
+    polhode::platform::print_stderr("polhode: {}\n", polhode::platform::legible(problem.what()));
     return kRunFailed;
   }
 }

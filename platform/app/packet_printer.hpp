@@ -44,7 +44,7 @@ class PacketPrinter {
   [[nodiscard]] std::uint64_t damaged_octets() const { return damaged_total_; }
 
  private:
-  void tell_damage();
+  void print_damage();
   void count_missing(const bus::PacketHeader& header);
 
   PrinterOptions options_;
@@ -69,8 +69,8 @@ class StreamReader {
 
  private:
   bool after_damage_ = false;
-  std::vector<std::uint8_t> held_;
-  std::uint64_t offset_ = 0;  ///< of held_ in the stream
+  std::vector<std::uint8_t> buffered_;
+  std::uint64_t offset_ = 0;  ///< of buffered_ in the stream
 };
 
 }  // namespace polhode::platform

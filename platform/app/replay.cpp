@@ -42,7 +42,7 @@
 #include "pipeline/component.hpp"
 #include "pipeline/ground_view.hpp"
 #include "pipeline/own_structure.hpp"
-#include "tell.hpp"
+#include "print_stderr.hpp"
 #include "transport/command_file.hpp"
 #include "transport/file/packet_file.hpp"
 #include "transport/transports.hpp"
@@ -131,7 +131,7 @@ void write_frame(
 const StepOutput& timed_step(Run& run, const Frame& frame) {
   StepInput input = next_input(run.component, run.worker, frame);
   input.commands = run.commands.due(frame.timestamp_ns);
-  input.q_IC = run.servicer.told(frame.timestamp_ns);
+  input.q_IC = run.servicer.attitude_at(frame.timestamp_ns);
   for (const auto duration : run.worker.last_durations()) {
     run.timings.job.add(duration);
   }
@@ -247,7 +247,7 @@ MachineNeeds needs_of(const TransportOptions& options, const Sequence& sequence)
 RunCost run_sealed(Run& run, const ReplayArguments& arguments) {
   RunCost cost{.at_start = machine_use(), .after_frames = {}, .pools = {}};
   const Clock::time_point start = Clock::now();
-  forget_pool_peaks();
+  reset_pool_peaks();
   seal_memory();
   const FramesTrapped trapped(arguments.memory_trap);
   run_frames(run, arguments.realtime);
@@ -277,19 +277,19 @@ CameraReport finish_files(Run& run, const fs::path& folder) {
 }
 
 /// @return what was said.
-std::vector<std::string> tell_remarks(const FileCamera& camera) {
+std::vector<std::string> print_remarks(const FileCamera& camera) {
   std::vector<std::string> remarks;
   for (const std::string& remark :
        {camera.orientation_remark(), camera.depth_remark(), camera.mixed_remark()}) {
     if (!remark.empty()) {
-      tell("polhode: {}\n", remark);
+      print_stderr("polhode: {}\n", remark);
       remarks.push_back(remark);
     }
   }
   return remarks;
 }
 
-void tell_result(const Run& run, const fs::path& out) {
+void print_result(const Run& run, const fs::path& out) {
   fmt::print("{}\nwritten to {}\n",
              result_sentence(run.record, run.component.counters(), run.sequence.camera),
              out.string());
@@ -301,21 +301,21 @@ void tell_result(const Run& run, const fs::path& out) {
 }
 
 /// Says what is doubtful, and what levels of few bits were taken for where the arguments do not.
-Sequence open_and_tell(const ReplayArguments& arguments) {
+Sequence open_with_warnings(const ReplayArguments& arguments) {
   Sequence sequence = open_sequence(arguments.sequence, arguments.pixels);
   const std::string remark =
       arguments.pixels.depth_bits == 0 ? depth_remark(sequence.depth_bits) : "";
   if (!remark.empty()) {
-    tell("polhode: {}: {}\n", sequence.image_folder.string(), remark);
+    print_stderr("polhode: {}: {}\n", sequence.image_folder.string(), remark);
   }
-  tell_warnings(sequence.warnings);
+  print_warnings(sequence.warnings);
   return sequence;
 }
 
 }  // namespace
 
 void replay(const ReplayArguments& arguments) {
-  const Sequence sequence = open_and_tell(arguments);
+  const Sequence sequence = open_with_warnings(arguments);
   const ServicerAttitude servicer = ServicerAttitude::of_sequence(arguments.sequence);
   const Parameters parameters = parameters_for(arguments, sequence);
   const TransportOptions options = load_transport_options(arguments.config, arguments.settings);
@@ -358,7 +358,7 @@ void replay(const ReplayArguments& arguments) {
                  .counters = component.counters(),
                  .parameters = parameters,
                  .sequence = sequence,
-                 .remarks = tell_remarks(run.camera),
+                 .remarks = print_remarks(run.camera),
                  .config_hash = config_hash,
                  .bus_sha256 = bus_sha256,
                  .bus_octets = run.files.bus.octets(),
@@ -371,7 +371,7 @@ void replay(const ReplayArguments& arguments) {
                  .at_end = machine_use(),
                  .wall_s = cost.wall_s,
                  .finish_s = seconds_since(finish_initialisation)});
-  tell_result(run, arguments.out);
+  print_result(run, arguments.out);
   leave_model(arguments, run);
 }
 

@@ -200,7 +200,7 @@ void write_motion(const AtFrame& at,
 
 }  // namespace
 
-bool is_borne_out(std::span<const MotionState> published) {
+bool is_confirmed(std::span<const MotionState> published) {
   if (published.empty() || published.back().mode != Mode::kLost) {
     return true;
   }
@@ -231,7 +231,7 @@ std::vector<PoseSample> samples_in_body(const std::vector<SmoothedPose>& poses,
 
 PoseCovariance converged_drift(const GroundView& view) {
   MapDrift held = view.drift;
-  hold_at_both_ends(&held);
+  fix_both_ends(&held);
   return scaled(covariance(held), view.scale.metres_per_mu);
 }
 

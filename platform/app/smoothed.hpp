@@ -24,7 +24,7 @@ struct BodyFrame {
 
 /// Whether the last map was followed as far as bears it out: one that was lost after fewer poses
 /// than check a motion did not hold the body, and poses from it would be as wrong.
-[[nodiscard]] bool is_borne_out(std::span<const MotionState> published);
+[[nodiscard]] bool is_confirmed(std::span<const MotionState> published);
 
 /// The valid poses, of B seen from the servicer in axes that do not turn, with lengths in the
 /// published unit.

@@ -210,8 +210,8 @@ std::string result_sentence(const RunRecord& record,
                         record.last.scale_known ? "m" : "map units");
   }
   text += ".";
-  for (const std::string& doubt : camera_sentences(record.camera.found, to_model(camera))) {
-    text += " " + doubt;
+  for (const std::string& warning : camera_sentences(record.camera.found, to_model(camera))) {
+    text += " " + warning;
   }
   return text;
 }

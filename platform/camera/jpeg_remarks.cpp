@@ -27,7 +27,7 @@ bool are_stray(const jpeg_decompress_struct& decoder, const JOCTET* file) {
 
 }  // namespace
 
-bool tells_damage(const jpeg_decompress_struct& decoder, const JOCTET* file) {
+bool indicates_damage(const jpeg_decompress_struct& decoder, const JOCTET* file) {
   switch (decoder.err->msg_code) {
     case JWRN_EXTRANEOUS_DATA:
       return !are_stray(decoder, file);

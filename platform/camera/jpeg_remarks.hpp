@@ -11,6 +11,6 @@ namespace polhode::platform {
 /// stray octets before a restart or end marker, an end marker that is missing where all scans are
 /// there, and odd headers. Missing or undecodable data is damage.
 /// @param file  the first octet of the picture
-bool tells_damage(const jpeg_decompress_struct& decoder, const JOCTET* file);
+bool indicates_damage(const jpeg_decompress_struct& decoder, const JOCTET* file);
 
 }  // namespace polhode::platform

@@ -34,7 +34,7 @@ struct polhode_component {
 namespace {
 
 using polhode::capi::guarded;
-using polhode::capi::tell;
+using polhode::capi::write_problem;
 
 using Handle = ::polhode_component;
 
@@ -235,12 +235,12 @@ polhode_status polhode_create(void* memory,
                               size_t problem_octets) {
   return guarded([&] {
     if (memory == nullptr || parameters == nullptr || out == nullptr) {
-      tell("memory, parameters or out: null", problem, problem_octets);
+      write_problem("memory, parameters or out: null", problem, problem_octets);
       return polhode_status{POLHODE_BAD_ARGUMENT};
     }
     const bool aligned = reinterpret_cast<std::uintptr_t>(memory) % kAlignment == 0;
     if (octets < kHandleOctets || !aligned) {
-      tell("memory: too small, or not aligned to 64", problem, problem_octets);
+      write_problem("memory: too small, or not aligned to 64", problem, problem_octets);
       return polhode_status{POLHODE_MEMORY_TOO_SMALL};
     }
     polhode::platform::pin_libraries();
@@ -249,7 +249,7 @@ polhode_status polhode_create(void* memory,
     auto made = polhode::Component::create({begin + kHandleOctets, octets - kHandleOctets},
                                            parameters->values);
     if (!made) {
-      tell(made.error().message, problem, problem_octets);
+      write_problem(made.error().message, problem, problem_octets);
       const bool small = made.error().code == polhode::ErrorCode::kMemoryTooSmall;
       return polhode_status{small ? POLHODE_MEMORY_TOO_SMALL : POLHODE_BAD_PARAMETER};
     }
@@ -290,7 +290,7 @@ polhode_status polhode_predict_point(const polhode_component* component,
                                      char* problem,
                                      size_t problem_octets) {
   if (component == nullptr || question == nullptr || out == nullptr) {
-    tell("component, question or out: null", problem, problem_octets);
+    write_problem("component, question or out: null", problem, problem_octets);
     return POLHODE_BAD_ARGUMENT;
   }
   if (component->failed) {
@@ -301,7 +301,7 @@ polhode_status polhode_predict_point(const polhode_component* component,
     const std::string_view why =
         component->component->predict_point(question_of(*question), &answer);
     if (!why.empty()) {
-      tell(why, problem, problem_octets);
+      write_problem(why, problem, problem_octets);
       return polhode_status{POLHODE_NOT_KNOWN};
     }
     copy_point(answer, out);

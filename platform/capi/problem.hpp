@@ -8,7 +8,7 @@
 
 namespace polhode::capi {
 
-inline void tell(std::string_view text, char* problem, std::size_t octets) noexcept {
+inline void write_problem(std::string_view text, char* problem, std::size_t octets) noexcept {
   if (problem != nullptr && octets > 0) {
     const std::size_t length = text.copy(problem, octets - 1);
     problem[length] = '\0';

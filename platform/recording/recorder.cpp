@@ -174,7 +174,7 @@ void Recorder::serve() {
   for (;;) {
     changed_.wait(lock, [this] { return stop_ || filled_ > 0; });
     if (filled_ == 0) {
-      (void)tell_refused();
+      (void)record_refused();
       return;  // asked to stop, and all is written
     }
     Slot& slot = slots_[first_];
@@ -216,7 +216,7 @@ void Recorder::write_slot(Slot& slot) {
   counters_.octets += written ? kRecordHeaderOctets + content.size() : 0;
 }
 
-bool Recorder::tell_refused() {
+bool Recorder::record_refused() {
   if (refused_ > 0 &&
       write_record(
           {.kind = RecordKind::kDropped, .reason = DropReason::kNotRecorded, .count = refused_},
@@ -227,7 +227,7 @@ bool Recorder::tell_refused() {
 }
 
 bool Recorder::write_in_turn(const RecordHeader& header, std::span<const std::uint8_t> content) {
-  const bool written = tell_refused() && write_record(header, content);
+  const bool written = record_refused() && write_record(header, content);
   refused_ += written ? 0 : std::max(1U, header.count);
   return written;
 }
@@ -243,7 +243,7 @@ bool Recorder::write_record(RecordHeader header, std::span<const std::uint8_t> c
       return false;
     }
     if (!whole({.kind = RecordKind::kBegin}, octets_of(begin_))) {
-      segments_.give_up_present();
+      segments_.abandon_present();
       return false;
     }
   }

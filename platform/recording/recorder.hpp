@@ -71,7 +71,7 @@ class Recorder {
   void write_slot(Slot& slot);
   void compress(Slot& slot, std::span<const std::uint8_t>* content);
   /// Writes down how much the disk has refused. @return false while it refuses that, too.
-  bool tell_refused();
+  bool record_refused();
   /// As write_record(), after what was refused before has been told.
   bool write_in_turn(const RecordHeader& header, std::span<const std::uint8_t> content);
   bool write_record(RecordHeader header, std::span<const std::uint8_t> content);

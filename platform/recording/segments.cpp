@@ -121,7 +121,7 @@ bool Segments::begin_next() {
   return true;
 }
 
-void Segments::give_up_present() {
+void Segments::abandon_present() {
   ::close(file_);
   file_ = -1;
   (void)::unlinkat(folder_descriptor_, segments_.back().name.data(), 0);

@@ -36,7 +36,7 @@ class Segments {
   /// @return false when it cannot be made.
   bool begin_next();
   /// The file just begun could not be: without its first record nobody can read it.
-  void give_up_present();
+  void abandon_present();
   /// @return false when the disk did not take it.
   bool write(std::span<const std::uint8_t> octets);
 

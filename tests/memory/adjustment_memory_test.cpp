@@ -72,7 +72,7 @@ struct Scene {
 /// @return octets that the work takes of the jobs' pool at most.
 template <typename Work>
 std::size_t taken_by(const Work& work) {
-  forget_pool_peaks();
+  reset_pool_peaks();
   const std::size_t before = pool_use(Pool::kJobs).used_octets;
   const PoolScope scope(Pool::kJobs);
   work();

@@ -20,7 +20,7 @@ struct Decoder {
 
   explicit Decoder(Octets octets) : file(octets) {
     jpeg.err = jpeg_std_error(&errors);
-    errors.error_exit = give_up;
+    errors.error_exit = abort_decoding;
     errors.emit_message = remark;
     jpeg.client_data = this;
     jpeg_create_decompress(&jpeg);
@@ -58,15 +58,15 @@ struct Decoder {
   }
 
  private:
-  [[noreturn]] static void give_up(j_common_ptr jpeg) {
+  [[noreturn]] static void abort_decoding(j_common_ptr jpeg) {
     auto* decoder = static_cast<Decoder*>(jpeg->client_data);
     jpeg->err->format_message(jpeg, decoder->message);
     std::longjmp(decoder->failed, 1);
   }
   static void remark(j_common_ptr jpeg, int level) {
     const auto* decoder = static_cast<Decoder*>(jpeg->client_data);
-    if (level < 0 && tells_damage(decoder->jpeg, decoder->file.data())) {
-      give_up(jpeg);
+    if (level < 0 && indicates_damage(decoder->jpeg, decoder->file.data())) {
+      abort_decoding(jpeg);
     }
   }
 };

@@ -147,7 +147,7 @@ ImageHeader check_first_image(const Sequence& sequence) {
 /// What a few pictures of a sequence tell of its levels.
 struct LevelsSeen {
   unsigned largest = 0;     ///< in 16-bit pictures
-  int said = 0;             ///< bits, as those files say; 0: they do not
+  int declared_bits = 0;             ///< bits, as those files say; 0: they do not
   bool full_depth = false;  ///< one says that it uses all 16
   std::size_t lit = 0;      ///< pictures that are not black
   std::size_t with_mosaic = 0;
@@ -160,7 +160,7 @@ void look_at(const DecodedImage& image, LevelsSeen* seen) {
     seen->full_depth = true;
   } else if (is_deep) {  // one of 8 bits says nothing of the others
     seen->largest = std::max(seen->largest, largest_level(image));
-    seen->said = std::max(seen->said, image.header.significant_bits);
+    seen->declared_bits = std::max(seen->declared_bits, image.header.significant_bits);
   }
   const bool lit = std::any_of(
       image.pixels.begin(), image.pixels.end(), [](std::uint8_t octet) { return octet != 0; });
@@ -201,9 +201,9 @@ int depth_of(const LevelsSeen& seen) {
   if (seen.full_depth || seen.largest == 0) {
     return kFullDepth_bits;
   }
-  const int said = std::min(seen.said, kFullDepth_bits);  // of a damaged file, it may be any octet
+  const int declared_bits = std::min(seen.declared_bits, kFullDepth_bits);  // of a damaged file, it may be any octet
   const int found = depth_for(seen.largest);
-  return said == 0 || found == kFullDepth_bits ? found : std::max(found, said);
+  return declared_bits == 0 || found == kFullDepth_bits ? found : std::max(found, declared_bits);
 }
 
 void choose_levels(const PixelChoices& choices, Sequence* sequence) {
@@ -275,11 +275,11 @@ SequenceTables read_tables(const fs::path& path, LensNeed need) {
                         .frames = FrameTable(camera / "data.csv").read(),
                         .warnings = {}};
   tables.warnings = tables.sensor.warnings;
-  const std::vector<std::string> doubts =
-      doubts_about_stamps(stamps_of(tables.frames), tables.sensor.rate_hz, camera / "data.csv");
-  tables.warnings.insert(tables.warnings.end(), doubts.begin(), doubts.end());
+  const std::vector<std::string> warnings =
+      stamp_warnings(stamps_of(tables.frames), tables.sensor.rate_hz, camera / "data.csv");
+  tables.warnings.insert(tables.warnings.end(), warnings.begin(), warnings.end());
   const std::string readout =
-      doubt_about_readout(stamps_of(tables.frames),
+      readout_warning(stamps_of(tables.frames),
                           tables.sensor.camera.line_time_ns * (tables.sensor.camera.height_px - 1));
   if (!readout.empty()) {
     tables.warnings.push_back(

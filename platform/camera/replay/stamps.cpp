@@ -151,7 +151,7 @@ std::string other_rate(double median_ns, double mean_ns, std::optional<double> r
 
 }  // namespace
 
-std::vector<std::string> doubts_about_stamps(std::span<const std::int64_t> stamps_ns,
+std::vector<std::string> stamp_warnings(std::span<const std::int64_t> stamps_ns,
                                              std::optional<double> rate_hz,
                                              const std::filesystem::path& table) {
   const std::vector<std::int64_t> intervals = intervals_of(stamps_ns);
@@ -161,22 +161,22 @@ std::vector<std::string> doubts_about_stamps(std::span<const std::int64_t> stamp
   std::vector<std::int64_t> sorted = intervals;
   const auto median_ns = static_cast<double>(median(std::span(sorted)));
   refuse_other_units(median_ns, rate_hz, table);
-  std::vector<std::string> doubts;
+  std::vector<std::string> warnings;
   const double mean_ns = static_cast<double>(stamps_ns.back() - stamps_ns.front()) /
                          static_cast<double>(intervals.size());
   const std::string in_bursts = bursts(intervals, median_ns);
-  for (const std::string& doubt :
+  for (const std::string& warning :
        {other_rate(median_ns, mean_ns, rate_hz),
         in_bursts,
         in_bursts.empty() ? gaps(stamps_ns, intervals, median_ns) : std::string()}) {
-    if (!doubt.empty()) {
-      doubts.push_back(fmt::format("{}: timestamp [ns]: {}", table.string(), doubt));
+    if (!warning.empty()) {
+      warnings.push_back(fmt::format("{}: timestamp [ns]: {}", table.string(), warning));
     }
   }
-  return doubts;
+  return warnings;
 }
 
-std::string doubt_about_readout(std::span<const std::int64_t> stamps_ns, double readout_ns) {
+std::string readout_warning(std::span<const std::int64_t> stamps_ns, double readout_ns) {
   std::vector<std::int64_t> intervals = intervals_of(stamps_ns);
   if (intervals.empty()) {
     return "";

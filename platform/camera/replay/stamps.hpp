@@ -17,13 +17,13 @@ namespace polhode::platform {
 /// @throws UnusableInput where they cannot be nanoseconds: more pictures a second than any camera
 /// takes, or intervals that are those of `rate_hz` in a unit a thousand, a million or a thousand
 /// million times as long.
-std::vector<std::string> doubts_about_stamps(std::span<const std::int64_t> stamps_ns,
+std::vector<std::string> stamp_warnings(std::span<const std::int64_t> stamps_ns,
                                              std::optional<double> rate_hz,
                                              const std::filesystem::path& table);
 
 /// A camera reads a picture before it takes the next one.
 /// @param readout_ns  from the first row to the last; negative: from the last one up
 /// @return what is doubtful; empty: nothing.
-std::string doubt_about_readout(std::span<const std::int64_t> stamps_ns, double readout_ns);
+std::string readout_warning(std::span<const std::int64_t> stamps_ns, double readout_ns);
 
 }  // namespace polhode::platform

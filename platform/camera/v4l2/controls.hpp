@@ -29,7 +29,7 @@ class ExposureControls {
   void find(DeviceCalls& calls, int device);
 
   /// @return false when the device refuses, or has no such control.
-  bool set_exposure(DeviceCalls& calls, int device, std::int64_t wished_ns);
+  bool set_exposure(DeviceCalls& calls, int device, std::int64_t requested_ns);
   /// @param fraction of the control's range, 0 .. 1.
   bool set_gain(DeviceCalls& calls, int device, double fraction);
 

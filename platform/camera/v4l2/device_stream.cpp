@@ -13,7 +13,7 @@ namespace {
 
 bool has_planes(std::uint32_t type) { return type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE; }
 
-v4l2_format wished_format(std::uint32_t type, std::uint32_t fourcc, int width_px, int height_px) {
+v4l2_format requested_format(std::uint32_t type, std::uint32_t fourcc, int width_px, int height_px) {
   v4l2_format format{};
   format.type = type;
   if (has_planes(type)) {
@@ -129,7 +129,7 @@ OpenResult DeviceStream::open(const char* path) {
 }
 
 OpenResult DeviceStream::check() {
-  const OpenResult result = open_node(wish_.path.c_str());
+  const OpenResult result = open_node(request_.path.c_str());
   close();
   return result;
 }
@@ -172,12 +172,12 @@ OpenResult DeviceStream::check_capabilities() {
 
 OpenResult DeviceStream::set_format() {
   const auto formats =
-      ask_formats(calls_, device_, type_, wish_.format.width_px, wish_.format.height_px);
-  const auto choice = choose_format(formats.view(), wish_.format);
+      ask_formats(calls_, device_, type_, request_.format.width_px, request_.format.height_px);
+  const auto choice = choose_format(formats.view(), request_.format);
   if (!choice) {
     const auto field = std::find_if(formats.begin(), formats.end(), [&](const OfferedFormat& f) {
       return !interlacing(f.field).empty() &&
-             (wish_.format.fourcc == 0 || f.fourcc == wish_.format.fourcc);
+             (request_.format.fourcc == 0 || f.fourcc == request_.format.fourcc);
     });
     if (field != formats.end()) {
       std::snprintf(trouble_.data(),
@@ -191,12 +191,12 @@ OpenResult DeviceStream::set_format() {
                   trouble_.size(),
                   "%s: no readable format of %dx%d",
                   path(),
-                  wish_.format.width_px,
-                  wish_.format.height_px);
+                  request_.format.width_px,
+                  request_.format.height_px);
     return OpenResult::kUnsuitable;
   }
   v4l2_format format =
-      wished_format(type_, formats[*choice].fourcc, wish_.format.width_px, wish_.format.height_px);
+      requested_format(type_, formats[*choice].fourcc, request_.format.width_px, request_.format.height_px);
   const int answer = calls_.ioctl(device_, VIDIOC_S_FMT, &format);
   if (answer < 0) {
     return failed("S_FMT", answer);
@@ -207,7 +207,7 @@ OpenResult DeviceStream::set_format() {
     return failed("S_FMT gave no planes", -EPROTO);
   }
   // What was only asked for may differ from what is in force.
-  if (!choose_format(std::span(&format_, 1), wish_.format)) {
+  if (!choose_format(std::span(&format_, 1), request_.format)) {
     return failed("S_FMT gave another format", -EPROTO);
   }
   return OpenResult::kStreaming;
@@ -217,8 +217,8 @@ OpenResult DeviceStream::set_format() {
 void DeviceStream::set_interval() {
   v4l2_streamparm parameters{};
   parameters.type = type_;
-  const Interval wished = interval_of(wish_.rate_hz);
-  parameters.parm.capture.timeperframe = {wished.numerator, wished.denominator};
+  const Interval requested = interval_of(request_.rate_hz);
+  parameters.parm.capture.timeperframe = {requested.numerator, requested.denominator};
   const bool known = calls_.ioctl(device_, VIDIOC_S_PARM, &parameters) >= 0 &&
                      (parameters.parm.capture.capability & V4L2_CAP_TIMEPERFRAME) != 0;
   const v4l2_fract& given = parameters.parm.capture.timeperframe;
@@ -227,7 +227,7 @@ void DeviceStream::set_interval() {
 
 OpenResult DeviceStream::map_ring() {
   v4l2_requestbuffers request{};
-  request.count = static_cast<std::uint32_t>(wish_.buffers);
+  request.count = static_cast<std::uint32_t>(request_.buffers);
   request.type = type_;
   request.memory = V4L2_MEMORY_MMAP;
   if (const int answer = calls_.ioctl(device_, VIDIOC_REQBUFS, &request); answer < 0) {
@@ -355,7 +355,7 @@ FixedVector<OfferedFormat, kAskedFormats> ask_formats(
     DeviceCalls& calls, int device, std::uint32_t type, int width_px, int height_px) {
   FixedVector<OfferedFormat, kAskedFormats> answers;
   for (const PixelPacking& packing : pixel_packings()) {
-    v4l2_format format = wished_format(type, packing.fourcc, width_px, height_px);
+    v4l2_format format = requested_format(type, packing.fourcc, width_px, height_px);
     if (calls.ioctl(device, VIDIOC_TRY_FMT, &format) >= 0 &&
         offered(format).fourcc == packing.fourcc) {
       (void)answers.push_back(offered(format));

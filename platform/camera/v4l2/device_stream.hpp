@@ -22,9 +22,9 @@ namespace polhode::platform {
 /// As much as a driver gives (V4L2 itself allows 32).
 inline constexpr std::size_t kDeviceBuffers = 32;
 
-struct DeviceWish {
+struct DeviceRequest {
   std::string path;
-  FormatWish format;
+  FormatRequest format;
   double rate_hz = 10.0;
   int buffers = 4;
 };
@@ -63,14 +63,14 @@ struct TakenBuffer {
 
 class DeviceStream {
  public:
-  DeviceStream(DeviceCalls& calls, DeviceWish wish) : calls_(calls), wish_(std::move(wish)) {}
+  DeviceStream(DeviceCalls& calls, DeviceRequest request) : calls_(calls), request_(std::move(request)) {}
   ~DeviceStream() { close(); }
   DeviceStream(const DeviceStream&) = delete;
   DeviceStream& operator=(const DeviceStream&) = delete;
 
   /// @param path of the node; the wish's, or where the same device may be found instead.
   OpenResult open(const char* path);
-  OpenResult open() { return open(wish_.path.c_str()); }
+  OpenResult open() { return open(request_.path.c_str()); }
   /// Whether the wished device would do; nothing is streamed, and it is closed again.
   OpenResult check();
   /// From now on no other device is taken.
@@ -117,7 +117,7 @@ class DeviceStream {
   OpenResult failed(const char* what, int error);
 
   DeviceCalls& calls_;
-  DeviceWish wish_;
+  DeviceRequest request_;
   std::array<char, 80> path_{};  ///< cut, for messages
   std::optional<DeviceIdentity> only_;
   DeviceIdentity identity_;

@@ -117,12 +117,12 @@ bool consistent(const OfferedFormat& offered) {
 }
 
 std::optional<std::size_t> choose_format(std::span<const OfferedFormat> offered,
-                                         const FormatWish& wish) {
+                                         const FormatRequest& request) {
   std::optional<std::size_t> best;
   for (std::size_t i = 0; i < offered.size(); ++i) {
     const OfferedFormat& format = offered[i];
-    const bool fits = format.width_px == wish.width_px && format.height_px == wish.height_px &&
-                      (wish.fourcc == 0 || format.fourcc == wish.fourcc) && consistent(format);
+    const bool fits = format.width_px == request.width_px && format.height_px == request.height_px &&
+                      (request.fourcc == 0 || format.fourcc == request.fourcc) && consistent(format);
     if (fits && (!best || rank(format.fourcc) < rank(offered[*best].fourcc))) {
       best = i;
     }
@@ -142,7 +142,7 @@ Interval interval_of(double rate_hz) {
           .denominator = static_cast<std::uint32_t>(std::lround(1000.0 * rate_hz))};
 }
 
-std::optional<std::size_t> choose_interval(std::span<const Interval> offered, double wished_hz) {
+std::optional<std::size_t> choose_interval(std::span<const Interval> offered, double requested_hz) {
   std::optional<std::size_t> best;
   double least = 0.0;
   for (std::size_t i = 0; i < offered.size(); ++i) {
@@ -150,7 +150,7 @@ std::optional<std::size_t> choose_interval(std::span<const Interval> offered, do
     if (hz <= 0.0) {
       continue;
     }
-    const double distance = std::abs(std::log(hz / wished_hz));
+    const double distance = std::abs(std::log(hz / requested_hz));
     if (!best || distance < least) {
       best = i;
       least = distance;

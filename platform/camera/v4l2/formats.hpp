@@ -58,7 +58,7 @@ struct OfferedFormat {
 /// V4L2's word for rows that are not of one moment, as "interlaced"; empty where they are.
 std::string_view interlacing(std::uint32_t field);
 
-struct FormatWish {
+struct FormatRequest {
   int width_px = 0;  ///< exactly: the intrinsics hold for one size
   int height_px = 0;
   std::uint32_t fourcc = 0;  ///< 0: any
@@ -70,7 +70,7 @@ bool consistent(const OfferedFormat& offered);
 
 /// The most preferred consistent format of the wished size. @return its index, or nothing.
 std::optional<std::size_t> choose_format(std::span<const OfferedFormat> offered,
-                                         const FormatWish& wish);
+                                         const FormatRequest& request);
 
 /// A frame interval as V4L2 has it.
 struct Interval {
@@ -81,6 +81,6 @@ double rate_hz(Interval interval);  ///< 0 for an interval that is none
 Interval interval_of(double rate_hz);
 
 /// The interval nearest to a rate, by ratio. @return its index, or nothing when none is usable.
-std::optional<std::size_t> choose_interval(std::span<const Interval> offered, double wished_hz);
+std::optional<std::size_t> choose_interval(std::span<const Interval> offered, double requested_hz);
 
 }  // namespace polhode::platform

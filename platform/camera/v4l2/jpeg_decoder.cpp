@@ -76,23 +76,23 @@ JpegDecoder::State* state_of(j_common_ptr decoder) {
   return static_cast<JpegDecoder::State*>(decoder->client_data);
 }
 
-[[noreturn]] void give_up(j_common_ptr decoder) { std::longjmp(state_of(decoder)->failed, 1); }
+[[noreturn]] void abort_decoding(j_common_ptr decoder) { std::longjmp(state_of(decoder)->failed, 1); }
 
 void warn(j_common_ptr decoder, int level) {
   const JpegDecoder::State* state = state_of(decoder);
-  if (level < 0 && tells_damage(state->decoder, state->file)) {
-    give_up(decoder);
+  if (level < 0 && indicates_damage(state->decoder, state->file)) {
+    abort_decoding(decoder);
   }
 }
 
-void say_nothing(j_common_ptr /*decoder*/) {}
+void emit_nothing(j_common_ptr /*decoder*/) {}
 
 void* take(j_common_ptr decoder, int pool, std::size_t octets) {
   JpegDecoder::State* state = state_of(decoder);
   Arena& arena = pool == JPOOL_PERMANENT ? state->permanent : state->image;
   void* const piece = arena.take(octets);
   if (piece == nullptr) {
-    give_up(decoder);
+    abort_decoding(decoder);
   }
   return piece;
 }
@@ -119,16 +119,16 @@ JBLOCKARRAY take_blocks(j_common_ptr decoder, int pool, JDIMENSION width, JDIMEN
 // A whole image of coefficients: progressive, or in several scans, which no camera sends.
 jvirt_sarray_ptr no_samples(
     j_common_ptr decoder, int, boolean, JDIMENSION, JDIMENSION, JDIMENSION) {
-  give_up(decoder);
+  abort_decoding(decoder);
 }
 jvirt_barray_ptr no_blocks(j_common_ptr decoder, int, boolean, JDIMENSION, JDIMENSION, JDIMENSION) {
-  give_up(decoder);
+  abort_decoding(decoder);
 }
 JSAMPARRAY no_sample_rows(j_common_ptr decoder, jvirt_sarray_ptr, JDIMENSION, JDIMENSION, boolean) {
-  give_up(decoder);
+  abort_decoding(decoder);
 }
 JBLOCKARRAY no_block_rows(j_common_ptr decoder, jvirt_barray_ptr, JDIMENSION, JDIMENSION, boolean) {
-  give_up(decoder);
+  abort_decoding(decoder);
 }
 void nothing_to_realize(j_common_ptr /*decoder*/) {}
 
@@ -150,7 +150,7 @@ jpeg_memory_mgr own_functions(const jpeg_memory_mgr& library) {
   memory.access_virt_sarray = no_sample_rows;
   memory.access_virt_barray = no_block_rows;
   memory.free_pool = take_back;
-  memory.self_destruct = say_nothing;
+  memory.self_destruct = emit_nothing;
   return memory;
 }
 
@@ -160,9 +160,9 @@ JpegDecoder::JpegDecoder(int width_px, int height_px)
     : state_(std::make_unique<State>(width_px, height_px)) {
   State& s = *state_;
   s.decoder.err = jpeg_std_error(&s.errors);
-  s.errors.error_exit = give_up;
+  s.errors.error_exit = abort_decoding;
   s.errors.emit_message = warn;
-  s.errors.output_message = say_nothing;
+  s.errors.output_message = emit_nothing;
   s.decoder.client_data = &s;
   jpeg_create_decompress(&s.decoder);
   s.own_memory = s.decoder.mem;

@@ -45,7 +45,7 @@ ServiceManager::~ServiceManager() {
 }
 
 /// Never waits: a manager that does not listen must not hold the run up.
-void ServiceManager::tell(std::string_view text) {
+void ServiceManager::notify(std::string_view text) {
   if (socket_ >= 0) {
     (void)::sendto(socket_,
                    text.data(),
@@ -60,13 +60,13 @@ void ServiceManager::status(std::string_view line) {
   char text[256];
   const int octets =
       std::snprintf(text, sizeof text, "STATUS=%.*s", static_cast<int>(line.size()), line.data());
-  tell({text, std::min(static_cast<std::size_t>(std::max(octets, 0)), sizeof text - 1)});
+  notify({text, std::min(static_cast<std::size_t>(std::max(octets, 0)), sizeof text - 1)});
 }
 
 void ServiceManager::progress(std::int64_t now_ns) {
-  if (watchdog_ns_ > 0 && now_ns - told_ns_ >= watchdog_ns_ / 4) {
-    told_ns_ = now_ns;
-    tell("WATCHDOG=1");
+  if (watchdog_ns_ > 0 && now_ns - notified_ns_ >= watchdog_ns_ / 4) {
+    notified_ns_ = now_ns;
+    notify("WATCHDOG=1");
   }
 }
 

@@ -67,7 +67,7 @@ class Worker {
 
  private:
   /// A job that was submitted and not yet handed back.
-  struct Held {
+  struct Entry {
     Job* job = nullptr;
     bool done = false;
     Duration duration{};
@@ -77,7 +77,7 @@ class Worker {
   void serve();
   [[nodiscard]] bool admitted() const;
   /// The first job that is not done; nullptr when all are.
-  [[nodiscard]] Held* next();
+  [[nodiscard]] Entry* next();
   Duration run(Job* job);
   void start_thread();
   void wait_until_done(const Job* job);
@@ -87,8 +87,8 @@ class Worker {
   pthread_t thread_{};
   pthread_mutex_t mutex_{};
   pthread_cond_t changed_{};
-  FixedVector<Held, Jobs::capacity()>
-      held_;  ///< in order of their coming; slots move under the lock only
+  FixedVector<Entry, Jobs::capacity()>
+      entries_;  ///< in order of their coming; slots move under the lock only
   bool stop_ = false;
   std::uint32_t runs_ = 0;
   Durations durations_;

@@ -101,7 +101,7 @@ class DatagramSender {
 /// A datagram, and who sent it.
 struct Received {
   std::size_t octets = 0;
-  bool told_uid = false;  ///< by the system, of a Unix socket's
+  bool uid_known = false;  ///< by the system, of a Unix socket's
   uid_t uid = 0;
 };
 

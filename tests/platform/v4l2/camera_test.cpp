@@ -9,7 +9,7 @@ namespace {
 constexpr int kWait_ms = 20;
 
 V4l2Options options() {
-  return {.wish = {.path = "/dev/video9",
+  return {.request = {.path = "/dev/video9",
                    .format = {.width_px = 64, .height_px = 48},
                    .rate_hz = 10.0,
                    .buffers = 4}};

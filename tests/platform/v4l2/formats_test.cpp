@@ -20,7 +20,7 @@ OfferedFormat offer(std::uint32_t fourcc,
           .image_octets = row * static_cast<std::uint32_t>(height)};
 }
 
-const FormatWish kWish{.width_px = 640, .height_px = 480};
+const FormatRequest kWish{.width_px = 640, .height_px = 480};
 
 TEST(ChooseFormat, TakesWhatNeedsNoConversionFirst_WhateverTheOrderOfTheOffer) {
   std::vector<OfferedFormat> offered{{V4L2_PIX_FMT_MJPEG, 640, 480, 0, 100000},
@@ -44,11 +44,11 @@ TEST(ChooseFormat, TakesNoOtherSizeThanTheCamerasCalibration) {
 TEST(ChooseFormat, TakesTheFormatThatIsAskedFor_OrNone) {
   const std::vector<OfferedFormat> offered{offer(V4L2_PIX_FMT_GREY, 1),
                                            offer(V4L2_PIX_FMT_YUYV, 2)};
-  FormatWish wish = kWish;
-  wish.fourcc = V4L2_PIX_FMT_YUYV;
-  EXPECT_EQ(choose_format(offered, wish), 1U);
-  wish.fourcc = V4L2_PIX_FMT_Y16;
-  EXPECT_FALSE(choose_format(offered, wish));
+  FormatRequest request = kWish;
+  request.fourcc = V4L2_PIX_FMT_YUYV;
+  EXPECT_EQ(choose_format(offered, request), 1U);
+  request.fourcc = V4L2_PIX_FMT_Y16;
+  EXPECT_FALSE(choose_format(offered, request));
 }
 
 TEST(ChooseFormat, RefusesRowsOrImagesThatAreTooShortForTheirSize) {

@@ -39,7 +39,7 @@ class Heap {
   bool resize(void* p, std::size_t octets);
 
   [[nodiscard]] HeapUse use() const;
-  void forget_peak() { peak_ = used_; }
+  void reset_peak() { peak_ = used_; }
   /// Walks all blocks. @return false when neighbours, sizes and free lists contradict each other.
   [[nodiscard]] bool consistent() const;
 

@@ -112,7 +112,7 @@ void* grow_and_allocate(std::size_t octets, std::size_t alignment) {
   if (const ExhaustionHook hook = g_hook.load()) {
     hook(pool, octets);
   }
-  tell_last(
+  print_last(
       "polhode: memory is exhausted, the reserve too: %zu octets were asked of the pool '%s'; the "
       "run ends here\n",
       octets,
@@ -197,10 +197,10 @@ PoolReport report_pools() {
   return report;
 }
 
-void forget_pool_peaks() {
+void reset_pool_peaks() {
   for (Area& area : g_pools) {
     if (area.heap.is_open()) {
-      area.heap.forget_peak();
+      area.heap.reset_peak();
     }
   }
 }

@@ -68,7 +68,7 @@ class BesideScope {
 
 /// Of one pool; for kGeneral with the memory that was handed out before the pools were opened.
 HeapUse pool_use(Pool pool);
-void forget_pool_peaks();
+void reset_pool_peaks();
 using PoolReport = std::array<HeapUse, kPoolCount>;
 PoolReport report_pools();
 

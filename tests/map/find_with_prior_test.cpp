@@ -10,7 +10,7 @@
 
 #include "seen_frame.hpp"
 
-namespace polhode::hold_test {
+namespace polhode::find_with_prior_test {
 namespace {
 
 using namespace synthetic;
@@ -59,7 +59,7 @@ struct Bench : SeenFrame {
     return e;
   }
 
-  bool hold(const ExpectedPose& e) { return hold_about(input(), e, state.get()); }
+  bool hold(const ExpectedPose& e) { return find_with_prior(input(), e, state.get()); }
 
   [[nodiscard]] double error_rad() const {
     return rotation_angle_rad(state->localised.absolute.pose.R_CT, truth.R_CT);
@@ -72,7 +72,7 @@ struct Bench : SeenFrame {
   }
 };
 
-TEST(HoldAbout, HoldsAViewOfEightLandmarks_ThatIsTooLittleForAPoseOfItsOwn) {
+TEST(FindWithPrior, HoldsAViewOfEightLandmarks_ThatIsTooLittleForAPoseOfItsOwn) {
   double squares = 0.0;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     Bench b(8, seed);
@@ -87,7 +87,7 @@ TEST(HoldAbout, HoldsAViewOfEightLandmarks_ThatIsTooLittleForAPoseOfItsOwn) {
   EXPECT_LT(std::sqrt(squares / 10.0), 0.01) << "nearer than the prediction";
 }
 
-TEST(HoldAbout, MarksTheMatchesThatAgree) {
+TEST(FindWithPrior, MarksTheMatchesThatAgree) {
   Bench b(9);
   for (Feature& feature : *b.picture.features) {
     feature.u_px += &feature == &(*b.picture.features)[4] ? 12.0F : 0.0F;
@@ -103,7 +103,7 @@ TEST(HoldAbout, MarksTheMatchesThatAgree) {
   EXPECT_EQ(inliers, b.state->localised.absolute.inliers);
 }
 
-TEST(HoldAbout, IsNotMisledByClutter) {
+TEST(FindWithPrior, IsNotMisledByClutter) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     Bench b(10, seed, 200);
     ASSERT_TRUE(b.hold(b.expected(0.01, -0.02))) << seed;
@@ -111,13 +111,13 @@ TEST(HoldAbout, IsNotMisledByClutter) {
   }
 }
 
-TEST(HoldAbout, HoldsNothing_WhereTooFewLandmarksAreLeft) {
+TEST(FindWithPrior, HoldsNothing_WhereTooFewLandmarksAreLeft) {
   // Beyond six, one for every eight matches may be by chance.
   EXPECT_FALSE(Bench(5).hold(Bench(5).expected(0.0)));
   EXPECT_TRUE(Bench(7).hold(Bench(7).expected(0.0)));
 }
 
-TEST(HoldAbout, HoldsNothing_WhereTheFeaturesAreAnotherBodys) {
+TEST(FindWithPrior, HoldsNothing_WhereTheFeaturesAreAnotherBodys) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     Bench b(0, seed);
     Rng rng(seed, 132);
@@ -126,7 +126,7 @@ TEST(HoldAbout, HoldsNothing_WhereTheFeaturesAreAnotherBodys) {
   }
 }
 
-TEST(HoldAbout, HoldsNothingByAYoungMotion) {
+TEST(FindWithPrior, HoldsNothingByAYoungMotion) {
   Bench b(8);
   ExpectedPose young = b.expected(0.0);
   ASSERT_TRUE(b.hold(young));
@@ -137,7 +137,7 @@ TEST(HoldAbout, HoldsNothingByAYoungMotion) {
   EXPECT_FALSE(b.hold(young));
 }
 
-TEST(HoldAbout, HoldsNothingByADoubtfulMotion) {
+TEST(FindWithPrior, HoldsNothingByADoubtfulMotion) {
   Bench b(8);
   ExpectedPose doubtful = b.expected(0.0);
   doubtful.prediction.covariance(1, 1) = 0.06 * 0.06;
@@ -150,7 +150,7 @@ TEST(HoldAbout, HoldsNothingByADoubtfulMotion) {
   EXPECT_FALSE(b.hold(doubtful));
 }
 
-TEST(HoldAbout, HoldsNothing_WhereThePredictionIsOffByMoreThanItSays) {
+TEST(FindWithPrior, HoldsNothing_WhereThePredictionIsOffByMoreThanItSays) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     Bench b(8, seed);
     EXPECT_FALSE(b.hold(b.expected(0.0, 0.15))) << "28 px: seed " << seed;
@@ -182,7 +182,7 @@ TEST(FindAboutDeparted, IsBorneOutByHalfOfTheLastInliers) {
     b.state->before.inliers = inliers_last;
     const ExpectedPose e = b.expected(0.01);
     EXPECT_TRUE(find_about(b.input(), e, b.state.get())) << inliers_last;
-    EXPECT_EQ(find_about_departed(b.input(), e, b.state.get()), found) << inliers_last;
+    EXPECT_EQ(find_about_inconsistent(b.input(), e, b.state.get()), found) << inliers_last;
   }
 }
 
@@ -271,11 +271,11 @@ TEST(DoubtPose, MakesThePoseAsUncertainAsItDepartsFromTheMotion) {
   predicted.pose.p_CT = {0.0, 0.0, 8.0};
   state->localised.absolute.pose = {.R_CT = so3_exp(0.3 * Eigen::Vector3d::UnitX()),
                                     .p_CT = {0.0, 0.5, 8.0}};
-  doubt_pose(predicted, state.get());
-  EXPECT_NEAR(std::sqrt(state->doubted(0, 0)), 0.3, 1e-12);
-  EXPECT_NEAR(std::sqrt(state->doubted(4, 4)), 0.5, 1e-12);
+  mark_inconsistent(predicted, state.get());
+  EXPECT_NEAR(std::sqrt(state->inconsistency(0, 0)), 0.3, 1e-12);
+  EXPECT_NEAR(std::sqrt(state->inconsistency(4, 4)), 0.5, 1e-12);
   begin_frame(state.get());
-  EXPECT_TRUE(state->doubted.isZero(0.0)) << "of one frame";
+  EXPECT_TRUE(state->inconsistency.isZero(0.0)) << "of one frame";
 }
 
 TEST(LocaliseWithPrior, LooksAsFarAsThePriorsErrorReaches) {
@@ -303,4 +303,4 @@ TEST(LocaliseWithPrior, ReturnsTooFewObservations_WithoutFeatures) {
 }
 
 }  // namespace
-}  // namespace polhode::hold_test
+}  // namespace polhode::find_with_prior_test

@@ -190,7 +190,7 @@ void remember(const ImageQuality& q, History* frames) {
 
 }  // namespace
 
-FrameVerdict judge_quality(const ImageQuality& quality,
+FrameVerdict assess_quality(const ImageQuality& quality,
                            const ImageOptions& options,
                            QualityHistory* history) {
   // In order of precedence (decision 0002): a frozen dark frame is frozen, a torn bright one is
@@ -244,7 +244,7 @@ FrameVerdict assess(const cv::Mat& gray, const ImageOptions& options, QualityHis
                              .bit_errors = find_bit_errors(gray, history),
                              .rows = compare_rows(gray, options, *history)};
   gray.copyTo(history->previous);
-  const FrameVerdict verdict = judge_quality(quality, options, history);
+  const FrameVerdict verdict = assess_quality(quality, options, history);
   if (verdict.decision != FrameDecision::kSkip) {
     remember_rows(gray, history);
     cv::dilate(history->roughness,

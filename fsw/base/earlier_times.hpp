@@ -6,22 +6,22 @@
 namespace polhode {
 
 /// Time stamps not later than the accepted one: how many in a row, rising among themselves.
-struct TimeDoubt {
+struct EarlierTimes {
   std::uint32_t in_a_row = 0;
   std::int64_t last_ns = 0;
 };
 
 /// Ten time stamps in a row that rise among themselves are right. The later one before them was
 /// wrong: a clock jumped or a bit flipped.
-inline bool outvotes(std::int64_t time_ns, TimeDoubt* doubt) {
+inline bool outvotes(std::int64_t time_ns, EarlierTimes* earlier) {
   // No queue of a camera or a bus holds as many: frames delivered twice do not reach it.
   constexpr std::uint32_t kInARow = 10;
-  doubt->in_a_row = doubt->in_a_row > 0 && time_ns > doubt->last_ns ? doubt->in_a_row + 1 : 1;
-  doubt->last_ns = time_ns;
-  if (doubt->in_a_row < kInARow) {
+  earlier->in_a_row = earlier->in_a_row > 0 && time_ns > earlier->last_ns ? earlier->in_a_row + 1 : 1;
+  earlier->last_ns = time_ns;
+  if (earlier->in_a_row < kInARow) {
     return false;
   }
-  *doubt = {};
+  *earlier = {};
   return true;
 }
 

@@ -12,7 +12,7 @@ namespace polhode::platform {
 /// As fmt::print(stderr, ...), but no run ends because nobody can be told: standard error may be
 /// closed, or on a full disk.
 template <typename... Values>
-void tell(fmt::format_string<Values...> format, Values&&... values) {
+void print_stderr(fmt::format_string<Values...> format, Values&&... values) {
   const std::string line = fmt::format(format, std::forward<Values>(values)...);
   (void)std::fwrite(line.data(), 1, line.size(), stderr);
 }

@@ -10,7 +10,7 @@
 #include "base/rng.hpp"
 #include "pictures.hpp"
 
-namespace polhode::judge_test {
+namespace polhode::assess_test {
 namespace {
 
 using namespace pictures;
@@ -333,4 +333,4 @@ TEST(Assess, ComparesWithNothing_AfterItWasCleared) {
 }
 
 }  // namespace
-}  // namespace polhode::judge_test
+}  // namespace polhode::assess_test

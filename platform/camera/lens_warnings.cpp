@@ -1,4 +1,4 @@
-#include "camera/lens_doubts.hpp"
+#include "camera/lens_warnings.hpp"
 
 #include <fmt/format.h>
 
@@ -138,17 +138,17 @@ std::string distortion(const CameraParameters& c) {
 
 }  // namespace
 
-std::vector<std::string> doubts_about_lens(const CameraParameters& camera, double pixel_aspect) {
-  std::vector<std::string> doubts;
-  for (const std::string& doubt : {principal_point(camera),
+std::vector<std::string> lens_warnings(const CameraParameters& camera, double pixel_aspect) {
+  std::vector<std::string> warnings;
+  for (const std::string& warning : {principal_point(camera),
                                    focal_lengths(camera, pixel_aspect),
                                    field_of_view(camera),
                                    distortion(camera)}) {
-    if (!doubt.empty()) {
-      doubts.push_back(doubt);
+    if (!warning.empty()) {
+      warnings.push_back(warning);
     }
   }
-  return doubts;
+  return warnings;
 }
 
 std::string wrong_order(const CameraParameters& c) {
