@@ -29,13 +29,13 @@ constexpr std::size_t kMainStackOctets = 2 * kMiB;
 // Configuration, files, names and tables of the program: 1.5 MiB were measured.
 constexpr std::size_t kGeneralOctets = 2 * kMiB;
 // Frames that are in memory at a time: the one that is decoded and the one that is looked at.
-constexpr std::size_t kPictures = 2;
+constexpr std::size_t kImages = 2;
 
 std::size_t pixels(const Parameters& p) {
   return static_cast<std::size_t>(p.camera.width_px) * static_cast<std::size_t>(p.camera.height_px);
 }
 
-/// Of a working pixel: pictures and pyramids, evidence and labels, and the graph of a cut, 32
+/// Of a working pixel: images and pyramids, evidence and labels, and the graph of a cut, 32
 /// octets a node and its edges. 155 were measured in a laboratory at 1080p, 132 beside the Earth.
 std::size_t mask_octets(const Parameters& p) {
   if (!p.mask.separates_background()) {
@@ -61,8 +61,8 @@ std::size_t window_worst_case(const Parameters& p) {
 }
 
 std::vector<CallCost> calls(const Parameters& p, const MachineNeeds& machine) {
-  // A pyramid of three levels is 4/3 of the picture, with a border; its gradients are two 16-bit
-  // pictures of a level.
+  // A pyramid of three levels is 4/3 of the image, with a border; its gradients are two 16-bit
+  // images of a level.
   const std::size_t pyramids = 2 * (pixels(p) * 14 / 10) + 5 * pixels(p);
   return {
       {"optical flow: two pyramids and gradients", Pool::kStep, pyramids},
@@ -138,7 +138,7 @@ MemoryPlan plan_memory(const Parameters& p, const MachineNeeds& machine) {
     plan.pools[static_cast<std::size_t>(Pool::kStep)] +=
         std::exchange(plan.pools[static_cast<std::size_t>(Pool::kJobs)], std::size_t{0});
   }
-  plan.others = {{"pictures", kPictures * pixels(p)},
+  plan.others = {{"pictures", kImages * pixels(p)},
                  {"stack of the steps", kMainStackOctets},
                  {"stack of the jobs", has_work_beside(p.jobs) ? WorkerOptions{}.stack_octets : 0},
                  {"program and libraries", kProgramOctets}};

@@ -1,5 +1,5 @@
 // The whole memory of a run, decided before it starts: own tables, the libraries' pools, stacks,
-// pictures, the program itself.
+// images, the program itself.
 #pragma once
 
 #include <cstddef>
@@ -26,7 +26,7 @@ struct CallCost {
 struct MemoryPlan {
   std::vector<PlanRow> tables;  ///< the component's own, one by one
   std::vector<CallCost> calls;
-  std::vector<PlanRow> others;  ///< pictures, stacks, the program with its libraries
+  std::vector<PlanRow> others;  ///< images, stacks, the program with its libraries
   PoolOctets pools{};
   std::size_t tables_octets = 0;
   std::size_t total_octets = 0;

@@ -17,10 +17,10 @@ namespace {
 /// better. More adds interpolation, not texture (decision 0020).
 constexpr double kEnlargeMax = 3.0;
 
-/// Assumed blur of the working picture, in its pixels. An enlarged one has more. Then the finest
+/// Assumed blur of the working image, in its pixels. An enlarged one has more. Then the finest
 /// levels lie closer together, which finds more features than the true value and places them
 /// better.
-constexpr double kPictureBlur_px = 0.6;
+constexpr double kImageBlur_px = 0.6;
 
 struct Context {
   const sift::ScaleSpace& space;
@@ -29,7 +29,7 @@ struct Context {
   const FeatureOptions& options;
 };
 
-/// Place, size and sigma in the camera's picture.
+/// Place, size and sigma in the camera's image.
 Feature to_feature(const sift::Blob& blob, const Context& context) {
   const double octave = static_cast<double>(1 << blob.octave);
   const sift::Region& region = context.region;
@@ -111,7 +111,7 @@ void detect_features(const cv::Mat& gray,
       .mask = &mask,
       .size = sift::working_size(mask.region_px, options.working_pixels_max, kEnlargeMax)};
   sift::ScaleSpace& space = workspace->space;
-  const sift::Plane picture =
+  const sift::Plane image =
       sift::lay_out_scale_space(region.size.width, region.size.height, &space);
   if (space.octaves == 0) {
     return;
@@ -121,8 +121,8 @@ void detect_features(const cv::Mat& gray,
                  region.size,
                  sift::light_of_gray(options.gamma),
                  &workspace->resample,
-                 picture);
-  sift::fill_scale_space(kPictureBlur_px, &space);
+                 image);
+  sift::fill_scale_space(kImageBlur_px, &space);
   sift::find_blobs(space,
                    region,
                    static_cast<float>(options.contrast_min * sift::kFullScale),

@@ -23,7 +23,7 @@ using Levels = std::array<float, (kSide + 2) * kRow<kSide>>;
 /// Where each sample of a row lies: the pixel up and left of it, and the fractions beyond.
 template <int kSide>
 struct RowPlaces {
-  std::array<std::int32_t, kRow<kSide>> offset;  ///< floats from the picture's first
+  std::array<std::int32_t, kRow<kSide>> offset;  ///< floats from the image's first
   std::array<float, kRow<kSide>> right;
   std::array<float, kRow<kSide>> down;
 };

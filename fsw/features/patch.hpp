@@ -25,7 +25,7 @@ struct Gradients {
   std::array<float, kCount> angle_rad{};
 };
 
-/// Past the picture's border the outermost pixels are repeated.
+/// Past the image's border the outermost pixels are repeated.
 template <int kSide>
 void sample_gradients(const Plane& level, const PatchFrame& frame, Gradients<kSide>* out);
 

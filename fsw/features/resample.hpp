@@ -1,4 +1,4 @@
-// The target's region of a picture, brought to the size that detection works on.
+// The target's region of an image, brought to the size that detection works on.
 #pragma once
 
 #include <array>
@@ -43,7 +43,7 @@ struct ResampleScratch {
   std::array<float, limits::kImageSide + kRowGrain> row{};
 };
 
-/// Size of the working picture.
+/// Size of the working image.
 struct WorkingSize {
   int width = 0;
   int height = 0;
@@ -57,7 +57,7 @@ WorkingSize working_size(const cv::Rect& region_px, int pixels_max, double enlar
 
 /// Enlarges by cubic convolution (Catmull-Rom), reduces by the mean over each output pixel's area.
 /// Works in light; cubic convolution may overshoot its 0 .. 255. Pixel centres are at integers in
-/// both pictures.
+/// both images.
 /// @param out  of the working size.
 void resample(const cv::Mat& gray,
               const cv::Rect& region_px,

@@ -6,7 +6,7 @@
 namespace polhode {
 namespace {
 
-// A weak feature is detected again within it; of a body's spots one passes in some pictures.
+// A weak feature is detected again within it; of a body's spots one passes in some images.
 constexpr float kReach_px = 1.0F;
 // A place goes after a second or so at 10 frames/s without a feature, one that was seen long after
 // three. Chosen.

@@ -1,4 +1,4 @@
-// Places where something stays in the picture while the body turns: a word in a corner, a piece of
+// Places where something stays in the image while the body turns: a word in a corner, a piece of
 // the servicer, dirt on the lens. It is no target, before there is a map and with one.
 #pragma once
 
@@ -13,7 +13,7 @@ namespace polhode {
 struct RestingPlace {
   float u_px = 0.0F;  ///< distorted pixel
   float v_px = 0.0F;
-  std::int32_t credit = 0;  ///< pictures with a feature there, less those without; it goes at 0
+  std::int32_t credit = 0;  ///< images with a feature there, less those without; it goes at 0
 };
 
 struct RestingPlaces {
@@ -28,7 +28,7 @@ void add_place(float u_px, float v_px, RestingPlaces* resting);
 /// Is the pixel one of the places?
 [[nodiscard]] bool is_resting(float u_px, float v_px, const RestingPlaces& resting);
 
-/// Removes the features whose descriptor takes in one of the places. A place at which most pictures
+/// Removes the features whose descriptor takes in one of the places. A place at which most images
 /// have no feature is forgotten: what rested there has gone, or it was the body's axis.
 void leave_out_resting(RestingPlaces* resting, Features* features);
 

@@ -45,7 +45,7 @@ Plane lay_out_scale_space(int width, int height, ScaleSpace* space) {
     height /= 2;
   }
   POLHODE_ASSERT(free <= space->memory.data() + space->memory.size(), height);
-  // The picture is put into the second level, from which it is blurred into the first.
+  // The image is put into the second level, from which it is blurred into the first.
   return space->octaves > 0 ? space->level[0][1] : Plane{};
 }
 

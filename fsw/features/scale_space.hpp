@@ -1,4 +1,4 @@
-// A picture at all scales: octaves of half the size each, levels of growing blur in each octave.
+// An image at all scales: octaves of half the size each, levels of growing blur in each octave.
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@ struct ScaleSpace {
   static constexpr int kLevels = kLayers + 3;  ///< a layer more at both ends, a level more
   /// More than is reached: the shorter side of limits::kWorkingPixels, 774 px, makes six.
   static constexpr int kOctaves = 8;
-  /// Of an octave's picture. Half of it is border (kMargin_px of the search for blobs). Chosen.
+  /// Of an octave's image. Half of it is border (kMargin_px of the search for blobs). Chosen.
   static constexpr int kSideMin = 16;
   /// Of the first level, in pixels of its octave. 0.8 px places features 3 to 27 % worse
   /// (decision 0021); Lowe's 1.6 px hardly better, for nearly twice the pixels.
@@ -37,12 +37,12 @@ struct ScaleSpace {
 /// Blur of a level in pixels of its octave; levels need not be whole numbers.
 float sigma_of_level(float level);
 
-/// Divides the memory into octaves for a picture of this size.
-/// @return where the picture is to be put before fill_scale_space.
+/// Divides the memory into octaves for an image of this size.
+/// @return where the image is to be put before fill_scale_space.
 /// @pre width * height <= limits::kWorkingPixels, neither over limits::kWorkingSide
 Plane lay_out_scale_space(int width, int height, ScaleSpace* space);
 
-/// @param blur_px  of the picture as it was put in, pixels.
+/// @param blur_px  of the image as it was put in, pixels.
 /// @source Lowe, IJCV 2004, section 3: each level is blurred from the one before; an octave begins
 /// with every second
 ///         pixel of the level of twice its first blur.

@@ -1,4 +1,4 @@
-// How fast image points move, over the picture. A rolling shutter reads each row at a time of its
+// How fast image points move, over the image. A rolling shutter reads each row at a time of its
 // own; with this motion a point is brought to the time of the frame, that of the middle row.
 #pragma once
 

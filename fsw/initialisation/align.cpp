@@ -27,7 +27,7 @@ constexpr double kSameSpot_px = 1.5;
 
 /// A track that is being aligned.
 struct Alignment {
-  const InitialImages& pictures;
+  const InitialImages& images;
   std::span<const TrackPlaces> places;
   std::size_t track = 0;
   std::size_t middle = 0;  ///< frame of the view that the others are registered to
@@ -53,7 +53,7 @@ std::optional<Spot> find_again(const Crop& crop,
   if (!found || found->zncc < zncc_min) {
     return std::nullopt;
   }
-  const Spot spot{.px = crop.to_picture(found->place),
+  const Spot spot{.px = crop.to_image(found->place),
                   .sigma_px = crop.reduction * std::hypot(found->sigma, kViewSigma_px)};
   const bool is_near = (spot.px - guess.place_px).norm() <= kMovedMax_px * crop.reduction;
   return is_near ? std::optional(spot) : std::nullopt;
@@ -64,12 +64,12 @@ std::optional<InitialObservation> aligned(const Alignment& a,
                                         const InitialObservation& detected,
                                         const PatchTemplate& patch) {
   const auto frame = static_cast<std::size_t>(detected.frame);
-  const CameraModel& camera = a.pictures.camera;
+  const CameraModel& camera = a.images.camera;
   const Eigen::Vector2d place_px = a.places[a.track].px[frame].cast<double>();
   LocalMotion guess =
       local_motion(a.places, a.neighbours, a.track, a.middle, frame).value_or(LocalMotion{});
   guess.place_px = place_px;
-  const auto spot = find_again(*a.pictures.crop(frame), guess, kZnccDetected, patch);
+  const auto spot = find_again(*a.images.crop(frame), guess, kZnccDetected, patch);
   if (!spot) {
     return std::nullopt;
   }
@@ -101,7 +101,7 @@ bool is_taken(const Alignment& a, std::size_t frame, const Spot& spot, Alignment
 std::optional<InitialObservation> followed(const Alignment& a,
                                          std::size_t frame,
                                          AlignmentWorkspace* w) {
-  const CameraModel& camera = a.pictures.camera;
+  const CameraModel& camera = a.images.camera;
   const std::size_t away = frame > a.middle ? frame - a.middle : a.middle - frame;
   if (away > kFollowMax) {
     return std::nullopt;
@@ -110,7 +110,7 @@ std::optional<InitialObservation> followed(const Alignment& a,
   if (!guess) {
     return std::nullopt;
   }
-  const auto spot = find_again(*a.pictures.crop(frame), *guess, kZnccMissed, w->patch);
+  const auto spot = find_again(*a.images.crop(frame), *guess, kZnccMissed, w->patch);
   if (!spot || is_taken(a, frame, *spot, w)) {
     return std::nullopt;
   }
@@ -125,35 +125,35 @@ std::optional<InitialObservation> observe(const Alignment& a,
                                         std::size_t frame,
                                         AlignmentWorkspace* w) {
   const InitialObservation* const detected = find_frame(track, static_cast<int>(frame));
-  const Crop* const crop = a.pictures.crop(frame);
-  if (crop == nullptr || crop->reduction != a.pictures.crop(a.middle)->reduction) {
+  const Crop* const crop = a.images.crop(frame);
+  if (crop == nullptr || crop->reduction != a.images.crop(a.middle)->reduction) {
     return detected != nullptr ? std::optional(*detected) : std::nullopt;
   }
   return detected != nullptr ? aligned(a, *detected, w->patch) : followed(a, frame, w);
 }
 
-void align_track(const InitialImages& pictures,
+void align_track(const InitialImages& images,
                  std::size_t frames,
                  std::span<InitialTrack> tracks,
                  std::size_t t,
                  AlignmentWorkspace* w) {
   InitialTrack& track = tracks[t];
   InitialObservation middle = track.observations[track.observations.size() / 2];
-  Alignment a{.pictures = pictures,
-              .places = std::span(pictures.places).first(tracks.size()),
+  Alignment a{.images = images,
+              .places = std::span(images.places).first(tracks.size()),
               .track = t,
               .middle = static_cast<std::size_t>(middle.frame)};
-  const Crop* const reference = pictures.crop(a.middle);
+  const Crop* const reference = images.crop(a.middle);
   const Eigen::Vector2d place_px = a.places[t].px[a.middle].cast<double>();
   if (reference == nullptr || !make_template(*reference, reference->to_crop(place_px), &w->patch)) {
     return;
   }
-  a.row_shift = middle.normalised - undistort(pictures.camera, place_px);
+  a.row_shift = middle.normalised - undistort(images.camera, place_px);
   a.neighbours = nearest_tracks(a.places, t, a.middle);
   // It shows the spot that it defines.
   middle.sigma_normalised =
       std::min(middle.sigma_normalised,
-               to_normalised(reference->reduction * kViewSigma_px, pictures.camera));
+               to_normalised(reference->reduction * kViewSigma_px, images.camera));
   std::array<std::optional<InitialObservation>, limits::kInitialFrames> found;
   found[a.middle] = middle;
   int missed = 0;
@@ -176,7 +176,7 @@ void align_track(const InitialImages& pictures,
 
 }  // namespace
 
-void align_tracks(const InitialImages& pictures,
+void align_tracks(const InitialImages& images,
                   std::size_t frames,
                   std::span<InitialTrack> tracks,
                   AlignmentWorkspace* w) {
@@ -191,7 +191,7 @@ void align_tracks(const InitialImages& pictures,
     for (std::size_t t = 0; t < tracks.size(); ++t) {
       if (lengths[t] == length && w->turns[t] == Turn::kWaits) {
         w->turns[t] = Turn::kAligned;
-        align_track(pictures, frames, tracks, t, w);
+        align_track(images, frames, tracks, t, w);
       }
     }
   }

@@ -14,7 +14,7 @@
 
 namespace polhode {
 
-/// Pictures of a problem's frames, and where its tracks were detected in them.
+/// Images of a problem's frames, and where its tracks were detected in them.
 struct InitialImages {
   CameraModel camera;
   Crops crops;  ///< kept from problem to problem: copies of them would not fit
@@ -37,9 +37,9 @@ struct AlignmentWorkspace {
 
 /// Moves each observation to where the track's middle view is found again: what is aligned to one
 /// view does not drift. Follows tracks into frames that missed them, joins those that show the same
-/// spot, and drops observations that do not look alike. Observations without a picture stay.
+/// spot, and drops observations that do not look alike. Observations without an image stay.
 /// @cost  at most one registration for each track and frame.
-void align_tracks(const InitialImages& pictures,
+void align_tracks(const InitialImages& images,
                   std::size_t frames,
                   std::span<InitialTrack> tracks,
                   AlignmentWorkspace* workspace);

@@ -13,19 +13,19 @@ namespace {
 // A spot that is missed in one frame is found again: tracks that reach the last two are alive.
 constexpr std::int32_t kEnd = 2;
 
-struct PictureChange {
+struct ImageChange {
   int matches = 0;
   double shift_px = 0.0;     ///< mean motion
   double relative_px = 0.0;  ///< RMS motion about the mean
   double extent_px = 0.0;    ///< RMS distance of the features from their mean
 };
 
-PictureChange change_since(const CollectedFrame& before,
+ImageChange change_since(const CollectedFrame& before,
                            const Features& now,
                            double ratio_max,
                            FeatureMatches* matches) {
   match_mutual(before.features.view(), now.view(), ratio_max, matches);
-  PictureChange change;
+  ImageChange change;
   change.matches = static_cast<int>(matches->size());
   if (matches->empty()) {
     return change;
@@ -56,7 +56,7 @@ bool worth_collecting(const Features& features, double ratio_max, TrackTable* tr
   if (tracks->frames.empty()) {
     return true;
   }
-  const PictureChange change =
+  const ImageChange change =
       change_since(tracks->frames.back(), features, ratio_max, &tracks->scratch);
   // A turn of 2 deg moves a body's near spots by 3 % of its radius against its far ones; a shift of
   // a fifth of the radius changes the direction of view by as much as matters for translation
@@ -165,20 +165,20 @@ void pose_problem(const CameraModel& camera,
   job->frame_count = table.frames.size() - job->first_frame;
   job->track_count = table.tracks.size();
   job->seed = seed;
-  job->pictures.camera = camera;
+  job->images.camera = camera;
   job->options = options;
   for (std::size_t i = 0; i < job->frame_count; ++i) {
     const std::int64_t since_ns = table.frames[job->first_frame + i].timestamp_ns -
                                   table.frames[job->first_frame].timestamp_ns;
     job->times_s[i] = static_cast<double>(since_ns) * 1e-9;
     job->R_IC[i] = table.frames[job->first_frame + i].R_IC;
-    job->pictures.crop_of[i] = static_cast<std::int8_t>(
-        find_crop(table.frames[job->first_frame + i].frame, job->pictures.crops));
+    job->images.crop_of[i] = static_cast<std::int8_t>(
+        find_crop(table.frames[job->first_frame + i].frame, job->images.crops));
   }
   for (std::size_t t = 0; t < job->track_count; ++t) {
     InitialTrack& track = job->tracks[t];
     track.observations.clear();
-    TrackPlaces& places = job->pictures.places[t];
+    TrackPlaces& places = job->images.places[t];
     places.frames = 0;
     for (const TrackPoint& point : table.tracks[t].points) {
       const int frame = point.frame - static_cast<int>(job->first_frame);

@@ -42,7 +42,7 @@ struct Collected {
 /// Keeps a frame that tells something about depth beyond the last one kept; drops older ones that
 /// it is not connected to.
 /// @param ratio_max  of descriptors' distances, best to second best.
-/// @param resting  takes the places of what stays in the picture while the body turns.
+/// @param resting  takes the places of what stays in the image while the body turns.
 Collected collect_frame(const CollectibleFrame& frame,
                         const CameraModel& camera,
                         double ratio_max,

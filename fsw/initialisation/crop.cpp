@@ -46,7 +46,7 @@ std::uint8_t mean_of(const cv::Mat& gray, int left, int top, int side) {
   return static_cast<std::uint8_t>((sum + count / 2) / count);
 }
 
-/// Middle of the first pixel of a crop, from its edge, in the picture's pixels.
+/// Middle of the first pixel of a crop, from its edge, in the image's pixels.
 double half_step(int reduction) { return 0.5 * (reduction - 1); }
 
 void take_crop(const cv::Mat& gray, std::span<const Feature> features, Crop* crop) {
@@ -81,12 +81,12 @@ void take_crop(const cv::Mat& gray, std::span<const Feature> features, Crop* cro
 
 }  // namespace
 
-Eigen::Vector2d Crop::to_crop(const Eigen::Vector2d& picture_px) const {
-  return (picture_px - Eigen::Vector2d(left_px, top_px)).array() / reduction -
+Eigen::Vector2d Crop::to_crop(const Eigen::Vector2d& image_px) const {
+  return (image_px - Eigen::Vector2d(left_px, top_px)).array() / reduction -
          half_step(reduction) / reduction;
 }
 
-Eigen::Vector2d Crop::to_picture(const Eigen::Vector2d& crop_px) const {
+Eigen::Vector2d Crop::to_image(const Eigen::Vector2d& crop_px) const {
   return (crop_px * reduction).array() + half_step(reduction) + Eigen::Array2d(left_px, top_px);
 }
 

@@ -6,7 +6,7 @@ namespace polhode {
 
 void run_initialisation(InitialisationJob* job) {
   const std::span tracks = std::span(job->tracks).first(job->track_count);
-  align_tracks(job->pictures, job->frame_count, tracks, &job->alignment);
+  align_tracks(job->images, job->frame_count, tracks, &job->alignment);
   job->outcome = select_hypothesis({.times_s = std::span(job->times_s).first(job->frame_count),
                                     .R_IC = std::span(job->R_IC).first(job->frame_count),
                                     .tracks = tracks,

@@ -20,7 +20,7 @@ struct InitialisationJob {
   std::array<InitialTrack, limits::kInitialTracks> tracks;
   std::uint64_t seed = 0;
   InitialisationOptions options;
-  InitialImages pictures;
+  InitialImages images;
   AlignmentWorkspace alignment;
   InitialWorkspace workspace;
   InitialOutcome outcome;  ///< the result

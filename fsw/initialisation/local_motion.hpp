@@ -1,4 +1,4 @@
-// How the picture moves from one kept frame to another about a track, by the tracks beside it.
+// How the image moves from one kept frame to another about a track, by the tracks beside it.
 #pragma once
 
 #include <Eigen/Core>

@@ -124,7 +124,7 @@ struct Motion {
   Eigen::Vector2d place;
 };
 
-/// The picture looks like the template moved by the fit: its place moves back by as much.
+/// The image looks like the template moved by the fit: its place moves back by as much.
 /// @return the step's length; nothing where the fit makes no sense.
 std::optional<double> compose(const Parameters& fit, Motion* motion) {
   const double gain = fit(kGainAt);
@@ -158,13 +158,13 @@ Registration accepted_registration(const PatchTemplate& patch,
     rest2 += weight * rest * rest;
   });
   mean /= weights;
-  double of_picture = 0.0;
+  double of_image = 0.0;
   double of_template = 0.0;
   double of_both = 0.0;
   for_each_pixel([&](std::size_t i, double weight, int, int) {
     const double now = static_cast<double>(levels[i]) - mean;
     const double then = patch.derivatives[i](kGainAt);
-    of_picture += weight * now * now;
+    of_image += weight * now * now;
     of_template += weight * then * then;
     of_both += weight * now * then;
   });
@@ -172,7 +172,7 @@ Registration accepted_registration(const PatchTemplate& patch,
   const double variance = rest2 / (weights - PatchTemplate::kParameters) / (gain * gain);
   return {.place = place,
           .sigma = std::sqrt(variance * std::max(patch.inverse(0, 0), patch.inverse(1, 1))),
-          .zncc = of_both / std::sqrt(std::max(of_picture * of_template, 1e-12))};
+          .zncc = of_both / std::sqrt(std::max(of_image * of_template, 1e-12))};
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ namespace polhode {
 /// square is too quick by a factor of two on fifteen sequences). The walk: a map grows keyframe by
 /// keyframe, each placed by the last ones with its own error. The re-anchoring: a start after a
 /// loss is set into the T of before by the motion in between, and what that left open is a constant
-/// of T from then on, of which no later picture tells.
+/// of T from then on, of which no later image tells.
 struct MapDrift {
   PoseCovariance walk = PoseCovariance::Zero();
   PoseCovariance fixed = PoseCovariance::Zero();  ///< what of it no closed loop lessens any more

@@ -25,7 +25,7 @@ double predicted_motion_px(const FlowReference& reference,
                            const Pose& predicted,
                            const Map& map,
                            const CameraModel& camera) {
-  constexpr double kOutOfReach_px = 1e6;  // more than any picture's width
+  constexpr double kOutOfReach_px = 1e6;  // more than any image's width
   FixedVector<double, limits::kPoseMatches> motions;
   for (const LandmarkMatch& point : reference.points) {
     Eigen::Vector2d from;

@@ -12,7 +12,7 @@ struct FlowReference {
   bool valid = false;
   cv::Mat gray;  ///< of which the pyramid is built when a frame is to be followed by flow
   bool gray_to_come =
-      false;  ///< it is this step's picture still, and is taken over when the next one comes
+      false;  ///< it is this step's image still, and is taken over when the next one comes
   Pyramid pyramid;
   std::uint32_t frame = 0;  ///< that it was taken from
   Pose pose;

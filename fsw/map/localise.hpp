@@ -94,7 +94,7 @@ struct LocaliseInput {
   std::uint64_t stream = 0;  ///< differs from frame to frame
 };
 
-/// Is the landmark on the side that faces the camera, in front of it and inside the picture?
+/// Is the landmark on the side that faces the camera, in front of it and inside the image?
 bool should_be_seen(const Landmark& landmark,
                     const Pose& pose,
                     const CameraModel& camera,

@@ -56,7 +56,7 @@ struct Landmark {
 };
 
 /// Three keyframes over 15 deg of rotation. Glints and silhouettes stay where they are in the
-/// picture while the body turns; for a few degrees they pass for spots at the depth of the axis,
+/// image while the body turns; for a few degrees they pass for spots at the depth of the axis,
 /// and would slow the estimated rotation down.
 inline bool confirmed(const Landmark& landmark) {
   constexpr int kObservationsMin = 3;      // two always fit some depth
@@ -91,7 +91,7 @@ void remove_landmarks(std::span<const LandmarkId> ids, Map* map);
 /// Frees the slot; landmarks that fewer than two keyframes still see go with it.
 void remove_keyframe(KeyframeId id, Map* map);
 
-/// The keyframe of that time goes, where there is one: its picture is of another time.
+/// The keyframe of that time goes, where there is one: its image is of another time.
 void withdraw_keyframe(std::int64_t timestamp_ns, Map* map);
 
 /// Ties feature `feature` of a keyframe to a landmark; the feature must be free.

@@ -102,7 +102,7 @@ void begin_frame(MapState* state);
 /// A frame was not looked at, or has no pose: the next one is not followed by flow.
 void drop_reference(MapState* state);
 
-/// No map; T's number, and pictures that are still to come, stay.
+/// No map; T's number, and images that are still to come, stay.
 void reset_map(MapState* state);
 
 }  // namespace polhode

@@ -82,7 +82,7 @@ bool within_steps(const ExpectedPose& expected, const AbsolutePose& found, doubl
 }
 
 /// Could a body that moved as expected until the last pose be here? A slow one that is pushed goes
-/// further than two of its steps. Faces that look alike are further apart, and so are most pictures
+/// further than two of its steps. Faces that look alike are further apart, and so are most images
 /// of another moment.
 bool within_reach(const ExpectedPose& expected, const AbsolutePose& found, double moved_rad) {
   constexpr double kPushed_rad = 0.17;  // 10 deg from one frame to the next. Chosen

@@ -23,11 +23,11 @@ struct ExpectedPose {
       0;  ///< found one by one; those of an initialisation are right or wrong together
 };
 
-/// Draws the memory of optical flow with the first picture, and follows a point once: a target that
+/// Draws the memory of optical flow with the first image, and follows a point once: a target that
 /// first moves slowly later than that then asks for no memory, and misses no page.
 void prepare_flow(const cv::Mat& gray, MapState* state);
 
-/// By optical flow, where the picture is expected to move and the body to turn by little.
+/// By optical flow, where the image is expected to move and the body to turn by little.
 /// @return false where that is not so, or where what it finds contradicts the motion so far.
 bool follow_by_flow(const MapInput& input, const ExpectedPose& expected, MapState* state);
 
@@ -61,7 +61,7 @@ bool relocalise_frame(const MapInput& input, MapState* state);
 /// pose that is found so is looked for again in the next frames, and is one when it is found there.
 bool recognise_frame(const MapInput& input, MapState* state);
 
-/// Does another side of the body explain the picture, too, as well as a pose needs, and no motion
+/// Does another side of the body explain the image, too, as well as a pose needs, and no motion
 /// that has been checked tell which side it is? With alike faces one pose is as good as the other.
 /// How many inliers each has says nothing: the face that is seen may be the one that is hardly
 /// mapped. Only after relocalise_frame() has found a pose, which stays as it is.

@@ -42,16 +42,16 @@ std::uint8_t appearance_of(std::uint8_t level, std::uint8_t range) {
 }
 
 /// Number of each pixel's appearance.
-void find_appearances(const cv::Mat& picture, AppearanceScratch* s) {
+void find_appearances(const cv::Mat& image, AppearanceScratch* s) {
   cv::Mat& range = s->one;
-  cv::dilate(picture, range, cv::Mat());
-  cv::erode(picture, s->other, cv::Mat());
+  cv::dilate(image, range, cv::Mat());
+  cv::erode(image, s->other, cv::Mat());
   cv::subtract(range, s->other, range);
-  s->appearances.create(picture.size(), CV_8UC1);
+  s->appearances.create(image.size(), CV_8UC1);
   with_avx2([&] {
-    const int columns = picture.cols;  // a copy: written octets might alias the original
-    for (int row = 0; row < picture.rows; ++row) {
-      const auto* level = picture.ptr<std::uint8_t>(row);
+    const int columns = image.cols;  // a copy: written octets might alias the original
+    for (int row = 0; row < image.rows; ++row) {
+      const auto* level = image.ptr<std::uint8_t>(row);
       const auto* rough = range.ptr<std::uint8_t>(row);
       auto* appearances = s->appearances.ptr<std::uint8_t>(row);
       for (int column = 0; column < columns; ++column) {
@@ -114,7 +114,7 @@ cv::Rect box_of_appearances(const cv::Mat& outline) {
 
 }  // namespace
 
-void add_appearance(const cv::Mat& picture,
+void add_appearance(const cv::Mat& image,
                     const cv::Mat& outline,
                     const cv::Mat& matches,
                     const cv::Rect& region,
@@ -125,7 +125,7 @@ void add_appearance(const cv::Mat& picture,
   if (box.empty()) {
     return;
   }
-  find_appearances(picture(box), s);
+  find_appearances(image(box), s);
   // Left out around the outline: what it is off by outside, half of that inside, where a small
   // target would have nothing left.
   constexpr int kMarginOut_px = kOutlineOff_px;

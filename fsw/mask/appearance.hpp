@@ -15,7 +15,7 @@ struct AppearanceScratch {
 /// known to look like this. An even place fits both motions, and only its appearance separates it:
 /// a panel's dark cell before a bright Earth. Adds nothing where inside or outside has under a few
 /// hundred pixels.
-/// @param picture CV_8UC1. @param outline CV_8UC1, same size.
+/// @param image CV_8UC1. @param outline CV_8UC1, same size.
 /// @param matches CV_8UC1, same size, 255 where the image agrees with the known background.
 /// @param region outside of it nothing is added.
 /// @param step pixels of the image per pixel of the unary cost, along a side.
@@ -24,7 +24,7 @@ struct AppearanceScratch {
 /// compared, and one over the region.
 /// @source the colour term of Rother, Kolmogorov, Blake, "GrabCut", SIGGRAPH 2004, as a histogram
 /// of gray.
-void add_appearance(const cv::Mat& picture,
+void add_appearance(const cv::Mat& image,
                     const cv::Mat& outline,
                     const cv::Mat& matches,
                     const cv::Rect& region,

@@ -24,13 +24,13 @@ bool stands_still(const BackgroundState& background, const cv::Size& size);
 /// `matches`.
 /// @param noise one sigma of a pixel, levels.
 /// @cost one dilation and one pass over the image.
-void learn_background(const cv::Mat& picture,
+void learn_background(const cv::Mat& image,
                       const cv::Mat& outline,
                       double noise,
                       BackgroundModel* model);
 
 /// Fills `matches`: nothing, while nothing is known.
-void match_background(const cv::Mat& picture, double noise, BackgroundModel* model);
+void match_background(const cv::Mat& image, double noise, BackgroundModel* model);
 
 void clear(BackgroundModel* model);
 

@@ -51,7 +51,7 @@ cv::Mat largest(const cv::Mat& pixels, int cell_px) {
 /// images edges between two cells are half as high, and outlines in rooms overlap by 0.01 less
 /// (decision 0011).
 /// @param outline of the edges' box, as far as whole cells fill it.
-Cells to_cells(const PictureEdges& edges,
+Cells to_cells(const ImageEdges& edges,
                const UnaryCost& unary_cost,
                const cv::Mat& outline,
                int cell_px) {
@@ -190,12 +190,12 @@ bool graph_cut(int reach, double mean_square_step, Cells* cells) {
 
 }  // namespace
 
-void measure_edges(const cv::Mat& picture, const cv::Rect& box, PictureEdges* edges) {
+void measure_edges(const cv::Mat& image, const cv::Rect& box, ImageEdges* edges) {
   constexpr int kCell_px = 2;  // the larger of the two sizes that cut_at_edges takes
-  const cv::Rect whole(cv::Point(), picture.size());
+  const cv::Rect whole(cv::Point(), image.size());
   const cv::Rect cells = coarser(box, kCell_px);
   edges->box = cv::Rect(cells.tl() * kCell_px, cells.size() * kCell_px) & whole;
-  const cv::Mat part = picture(edges->box);
+  const cv::Mat part = image(edges->box);
   double squares = 1.0;  // only so that an even image divides by no zero
   const auto along = [&](const cv::Point& shift, cv::Mat* steps) {
     steps->create(part.size(), CV_8UC1);
@@ -209,7 +209,7 @@ void measure_edges(const cv::Mat& picture, const cv::Rect& box, PictureEdges* ed
   edges->mean_square_step = squares / std::max(1.0, static_cast<double>(part.total()));
 }
 
-void cut_at_edges(const PictureEdges& edges,
+void cut_at_edges(const ImageEdges& edges,
                   const UnaryCost& unary_cost,
                   const CutReach& reach,
                   cv::Mat* outline) {

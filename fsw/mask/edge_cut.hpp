@@ -20,13 +20,13 @@ struct UnaryCost {
 };
 
 /// A part of an image and the steps between its pixels.
-struct PictureEdges {
+struct ImageEdges {
   cv::Rect box;                   ///< starts and ends with a cell of two pixels, or with the image
   cv::Mat left, up;               ///< CV_8UC1 of the box: step to the neighbour, levels
   double mean_square_step = 1.0;  ///< both directions together
 };
 
-void measure_edges(const cv::Mat& picture, const cv::Rect& box, PictureEdges* edges);
+void measure_edges(const cv::Mat& image, const cv::Rect& box, ImageEdges* edges);
 
 /// Moves the outline to image edges nearby, by a graph cut: the cheapest boundary between target
 /// and the rest, dear where the image is even. For keyframes. Outside of the edges' box nothing
@@ -39,7 +39,7 @@ void measure_edges(const cv::Mat& picture, const cv::Rect& box, PictureEdges* ed
 /// proportion to them.
 /// @source Boykov and Kolmogorov, PAMI 2004, by way of OpenCV; from coarse to fine as Lombaert et
 /// al., ICCV 2005.
-void cut_at_edges(const PictureEdges& edges,
+void cut_at_edges(const ImageEdges& edges,
                   const UnaryCost& unary_cost,
                   const CutReach& reach,
                   cv::Mat* outline);

@@ -180,11 +180,11 @@ cv::Rect region_of_interest(const MaskState& s) {
 
 /// Stores an image and compares it with the ones before. @return whether a background's motion was
 /// found.
-bool compare_pictures(const cv::Mat& gray,
+bool compare_images(const cv::Mat& gray,
                       const cv::Mat& reduced,
                       const MaskPrior& prior,
                       MaskState* s) {
-  const bool first = add_picture(gray, reduced, &s->points);
+  const bool first = add_image(gray, reduced, &s->points);
   if (first) {
     clear(&s->background);
     clear(&s->foreground);
@@ -220,7 +220,7 @@ void remember_background(bool explained, MaskState* s) {
     clear(&s->background_model);
   } else if (s->found && s->background.target_tracks >= kTracksEnough &&
              s->compared % s->background.age == 0) {
-    learn_background(s->points.picture(0), s->outline, s->foreground.noise, &s->background_model);
+    learn_background(s->points.image(0), s->outline, s->foreground.noise, &s->background_model);
   }
 }
 
@@ -260,10 +260,10 @@ void open_lit_cells(MaskState* s, TargetMask* mask) {
   measure_cells(mask->region_px, mask);
 }
 
-/// Before a lit background: does the outline cover so much of the picture's border that it has
+/// Before a lit background: does the outline cover so much of the image's border that it has
 /// taken the background in?
 bool covers_border(const MaskState& s) {
-  // Chosen: two fifths of a side. A body that enters the picture covers less.
+  // Chosen: two fifths of a side. A body that enters the image covers less.
   constexpr double kShareMax = 0.1;
   if (!s.behind || !s.found || s.outline.empty()) {
     return false;
@@ -290,7 +290,7 @@ void follow_target(const cv::Mat& gray,
     clear(s);
     return;
   }
-  const bool explained = compare_pictures(gray, mask->levels, prior, s);
+  const bool explained = compare_images(gray, mask->levels, prior, s);
   // Bounded; over kUnexplainedMax all counts do the same.
   s->unexplained = explained ? 0 : std::min(s->unexplained + 1, 2 * kUnexplainedMax);
   find_piece(s);
@@ -330,18 +330,18 @@ void sharpen_outline(MaskState* s) {
   }
   widen_outline(s);
   const bool mapped = has_map(*s);
-  const cv::Mat& picture = s->points.picture(0);
+  const cv::Mat& image = s->points.image(0);
   const cv::Rect box = box_of_cuts(*s);
   form_unary_cost(box, s);
   MaskScratch& scratch = s->scratch;
   cv::Mat& unary_cost = scratch.cell_values;
   const int step = s->foreground.step;
   if (mapped) {
-    match_background(picture, s->foreground.noise, &s->background_model);
+    match_background(image, s->foreground.noise, &s->background_model);
     const cv::Mat& matches = s->background_model.matches;
-    add_appearance(picture, s->outline, matches, box, step, &scratch.appearance, &unary_cost);
+    add_appearance(image, s->outline, matches, box, step, &scratch.appearance, &unary_cost);
   }
-  measure_edges(picture, box_of_edges(*s), &scratch.edges);
+  measure_edges(image, box_of_edges(*s), &scratch.edges);
   s->outline.copyTo(scratch.added);
   const int far_px = far_reach_px(*s);
   const UnaryCost cost{.value = unary_cost, .seeds = s->map.seeds, .cell_px = step};

@@ -33,7 +33,7 @@ bool may_be_background(const MaskState& state);
 /// For keyframes, after follow_target: moves the outline to image edges. With a map the result is
 /// stored as log-odds. Does nothing before black space. Where no outline would be left it stays as
 /// it was and is not sharp.
-/// @cost with a map about 1.4 ms for a target of a quarter of the picture, before one ten times as
+/// @cost with a map about 1.4 ms for a target of a quarter of the image, before one ten times as
 /// much.
 void sharpen_outline(MaskState* state);
 

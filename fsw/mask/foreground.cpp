@@ -28,13 +28,13 @@ constexpr int kNoDifference = 128;
 static_assert(kCapSigma * kNoiseMost < kNoDifference);
 
 /// Level of an image between its pixels, bilinear. The place is inside.
-double level_at(const cv::Mat& picture, double u_px, double v_px) {
+double level_at(const cv::Mat& image, double u_px, double v_px) {
   const int column = static_cast<int>(u_px);
   const int row = static_cast<int>(v_px);
   const double right = u_px - column;
   const double down = v_px - row;
-  const auto* above = picture.ptr<std::uint8_t>(row) + column;
-  const auto* below = picture.ptr<std::uint8_t>(row + 1) + column;
+  const auto* above = image.ptr<std::uint8_t>(row) + column;
+  const auto* below = image.ptr<std::uint8_t>(row + 1) + column;
   return (1.0 - down) * ((1.0 - right) * above[0] + right * above[1]) +
          down * ((1.0 - right) * below[0] + right * below[1]);
 }
@@ -80,7 +80,7 @@ double measure_noise(const cv::Mat& now,
 /// Spreads the motion of the target's points over `age` images to the grid's cells between and
 /// around them.
 void spread_motion(const PointsState& points, std::size_t age, ForegroundState* s) {
-  const cv::Size size = points.picture(0).size();
+  const cv::Size size = points.image(0).size();
   const cv::Size grid((size.width + kCell_px - 1) / kCell_px,
                       (size.height + kCell_px - 1) / kCell_px);
   s->flow.create(grid, CV_32FC2);
@@ -197,17 +197,17 @@ void compare_with_background(const PointsState& points,
                              const BackgroundMotion& motion,
                              const cv::Rect& region,
                              ForegroundState* s) {
-  const cv::Mat now = points.picture(0)(region);
+  const cv::Mat now = points.image(0)(region);
   for (std::size_t i = 0; i < motion.layers.size(); ++i) {
     trace_plane(motion.layers[i], region, points.whole().size(), &s->origins);
     if (i == 0) {
       // Mean of two images: one with an untypical median counts half.
       s->noise = 0.5 * s->noise +
                  0.5 * measure_noise(
-                           points.picture(0), points.picture(motion.age), motion.layers[i], region);
+                           points.image(0), points.image(motion.age), motion.layers[i], region);
     }
     measure_excess(now, std::round(kCapSigma * s->noise), s);
-    find_visible(motion.layers[i], points.picture(0).size(), region, &s->visible);
+    find_visible(motion.layers[i], points.image(0).size(), region, &s->visible);
     cv::bitwise_and(s->excess, s->visible, s->excess);
     if (i == 0) {
       cv::swap(s->excess, s->least);
@@ -223,7 +223,7 @@ void compare_with_target(const PointsState& points,
                          ForegroundState* s) {
   spread_motion(points, age, s);
   trace_flow(s->flow, kCell_px, region, points.whole().size(), &s->origins);
-  measure_excess(points.picture(0)(region), std::round(kCapSigma * s->noise), s);
+  measure_excess(points.image(0)(region), std::round(kCapSigma * s->noise), s);
 }
 
 /// How much more the background's motions are contradicted than the target's, summed over the
@@ -284,15 +284,15 @@ void carry_and_add(std::size_t compared_age, const cv::Rect& region, ForegroundS
 
 }  // namespace
 
-void resize_log_odds(const cv::Size& picture, int step, ForegroundState* s) {
-  const cv::Size size = coarser(cv::Rect(cv::Point(), picture), step).size();
+void resize_log_odds(const cv::Size& image, int step, ForegroundState* s) {
+  const cv::Size size = coarser(cv::Rect(cv::Point(), image), step).size();
   if (s->log_odds.size() == size && s->step == step) {
     return;
   }
-  const bool same_picture =
-      !s->log_odds.empty() && coarser({cv::Point(), picture}, s->step).size() == s->log_odds.size();
+  const bool same_image =
+      !s->log_odds.empty() && coarser({cv::Point(), image}, s->step).size() == s->log_odds.size();
   cv::swap(s->log_odds, s->before);
-  if (same_picture) {
+  if (same_image) {
     cv::resize(s->before,
                s->log_odds,
                size,
@@ -330,7 +330,7 @@ void update_log_odds(const PointsState& points,
     motion = &background.motions[s->longer ? 0 : 1];
   }
   s->longer = !s->longer;
-  find_bounds(points.picture(motion->age), s);
+  find_bounds(points.image(motion->age), s);
   compare_with_background(points, *motion, s->region, s);
   compare_with_target(points, motion->age, s->region, s);
   sum_over_window(s);

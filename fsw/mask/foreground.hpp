@@ -32,7 +32,7 @@ struct ForegroundState {
 
 /// Log-odds for an image of this size, by cells of so many of its pixels. What is known stays,
 /// coarser or finer.
-void resize_log_odds(const cv::Size& picture, int step, ForegroundState* state);
+void resize_log_odds(const cv::Size& image, int step, ForegroundState* state);
 
 /// Compares the newest image with an earlier one within a region and adds to the log-odds. Outside
 /// of the region they become 0. Needs points of both classes, and log-odds of the image's size.

@@ -37,7 +37,7 @@ struct MapRegions {
 struct MaskScratch {
   OutlineScratch outline;
   AppearanceScratch appearance;
-  PictureEdges edges;
+  ImageEdges edges;
   cv::Mat enclosed;     ///< CV_8UC1, size of the log-odds: what they enclose
   cv::Mat cell_values;  ///< CV_32FC1, size of the log-odds: distance to gaps while the prior is
                         ///< placed, the unary cost while the outline is sharpened

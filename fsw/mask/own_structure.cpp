@@ -13,8 +13,8 @@ constexpr int kOwnGrowCells = 2;
 // Half of the window that points are followed with, 9 px, and the pixel of rounding.
 constexpr int kGrowWorking_px = 5;
 
-/// Not 0 where any pixel of a square of `side_px` is, grown. A square that the picture's edge cuts
-/// counts only where the reduced picture has it.
+/// Not 0 where any pixel of a square of `side_px` is, grown. A square that the image's edge cuts
+/// counts only where the reduced image has it.
 cv::Mat reduced(const cv::Mat& pixels, const cv::Size& size, int side_px, int grow) {
   cv::Mat small = cv::Mat::zeros(size, CV_8UC1);
   for (int row = 0; row < size.height; ++row) {

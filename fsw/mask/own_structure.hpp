@@ -1,4 +1,4 @@
-// What of every picture is the servicer's own, known beforehand: never target.
+// What of every image is the servicer's own, known beforehand: never target.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -14,14 +14,14 @@ struct OwnStructure {
   cv::Mat working;  ///< CV_8UC1, in working pixels of mask/points.hpp, 255 where nothing is target
 };
 
-/// @param pixels CV_8UC1 of the picture's size, not 0 where the servicer is seen; kept, not copied.
+/// @param pixels CV_8UC1 of the image's size, not 0 where the servicer is seen; kept, not copied.
 OwnStructure own_structure(const cv::Mat& pixels);
 
-/// Makes it black in a picture, as empty space is. All later stages see it so.
+/// Makes it black in an image, as empty space is. All later stages see it so.
 void blacken(const OwnStructure& own, cv::Mat* gray);
 
 /// Closes the cells to features that it reaches, and two cells around: its silhouette is at rest in
-/// the picture.
+/// the image.
 void close_cells(const OwnStructure& own, TargetMask* mask);
 
 /// Takes it out of the outline, and drops the points that are followed on it or along its

@@ -130,7 +130,7 @@ void add_corners(const cv::Rect& part, int columns, int rows, std::size_t most, 
     return;
   }
   constexpr int kBlock_px = 3;  // the least, for corners of small texture
-  cv::cornerMinEigenVal(s->picture(0)(part), s->corner_score, kBlock_px, kBlock_px);
+  cv::cornerMinEigenVal(s->image(0)(part), s->corner_score, kBlock_px, kBlock_px);
   // An order that is spread over the part, so that tiles left out when it is full are, too. A
   // prime, so that it meets each of the 60, 72 or 144 tiles once.
   constexpr int kStride = 37;
@@ -146,7 +146,7 @@ void add_corners(const cv::Rect& part, int columns, int rows, std::size_t most, 
     MaskTrack track;
     track.places[0] = cv::Point2f(where + tile.tl() + part.tl());
     track.count = 1;
-    if (best > kScoreMin && inside(track.now(), s->picture(0).size()) &&
+    if (best > kScoreMin && inside(track.now(), s->image(0).size()) &&
         !is_near(track.now(), *s)) {
       (void)s->tracks.push_back(track);
     }
@@ -163,16 +163,16 @@ cv::Point2f MaskTrack::motion(std::size_t age) const {
   return (places[0] - places[known]) * (static_cast<float>(age) / static_cast<float>(known));
 }
 
-bool add_picture(const cv::Mat& gray, const cv::Mat& reduced, PointsState* s) {
+bool add_image(const cv::Mat& gray, const cv::Mat& reduced, PointsState* s) {
   const int decimation = decimation_of(gray.cols, gray.rows);
   const cv::Size size(gray.cols / decimation, gray.rows / decimation);
-  if (s->stored > 0 && (decimation != s->decimation || s->picture(0).size() != size)) {
+  if (s->stored > 0 && (decimation != s->decimation || s->image(0).size() != size)) {
     clear(s);
   }
   s->decimation = decimation;
-  s->newest = (s->newest + 1) % PointsState::kPictures;
-  s->stored = std::min(s->stored + 1, PointsState::kPictures);
-  cv::Mat& newest = s->pictures[s->newest];
+  s->newest = (s->newest + 1) % PointsState::kImages;
+  s->stored = std::min(s->stored + 1, PointsState::kImages);
+  cv::Mat& newest = s->images[s->newest];
   if (reduced.size() == size && size * decimation == gray.size()) {
     reduced.copyTo(newest);
   } else {
@@ -180,7 +180,7 @@ bool add_picture(const cv::Mat& gray, const cv::Mat& reduced, PointsState* s) {
   }
   std::swap(s->pyramid, s->pyramid_before);
   cv::buildOpticalFlowPyramid(
-      s->picture(0), s->pyramid, cv::Size(kFlowWindow_px, kFlowWindow_px), kFlowLevels, true);
+      s->image(0), s->pyramid, cv::Size(kFlowWindow_px, kFlowWindow_px), kFlowLevels, true);
   return s->stored == 1;
 }
 
@@ -199,7 +199,7 @@ void follow_points(PointsState* s) {
   flow_with_prediction(known, s);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < s->tracks.size(); ++i) {
-    if (s->found[i] != 0 && inside(s->to[i], s->picture(0).size())) {
+    if (s->found[i] != 0 && inside(s->to[i], s->image(0).size())) {
       MaskTrack track = s->tracks[i];
       advance(s->to[i], &track);
       s->tracks[kept++] = track;

@@ -48,13 +48,13 @@ using FlowPyramid = std::vector<cv::Mat>;
 
 /// What is kept from image to image. Memory is taken with the first image.
 struct PointsState {
-  static constexpr std::size_t kPictures = MaskTrack::kPlaces;
+  static constexpr std::size_t kImages = MaskTrack::kPlaces;
   // Capacity: the whole image takes up to 240 points, a target up to 200. Chosen; drop_lonely
   // compares them by pairs.
   static constexpr std::size_t kTracks = 420;
 
   int decimation = 1;                       ///< pixels of the image per working pixel
-  std::array<cv::Mat, kPictures> pictures;  ///< ring
+  std::array<cv::Mat, kImages> images;  ///< ring
   FlowPyramid pyramid;                      ///< of the newest image
   FlowPyramid pyramid_before;               ///< of the one before it
   std::size_t newest = 0;
@@ -72,16 +72,16 @@ struct PointsState {
   std::vector<float> error;
 
   /// The image `age` images ago.
-  [[nodiscard]] const cv::Mat& picture(std::size_t age) const {
-    return pictures[(newest + kPictures - age) % kPictures];
+  [[nodiscard]] const cv::Mat& image(std::size_t age) const {
+    return images[(newest + kImages - age) % kImages];
   }
-  [[nodiscard]] cv::Rect whole() const { return {cv::Point(), picture(0).size()}; }
+  [[nodiscard]] cv::Rect whole() const { return {cv::Point(), image(0).size()}; }
 };
 
 /// Reduces an image and stores it. @return whether it is the first, or the first of its size.
 /// @param reduced  the same image, reduced before by some power of two, or empty: stored where its
 /// size is right
-bool add_picture(const cv::Mat& gray, const cv::Mat& reduced, PointsState* state);
+bool add_image(const cv::Mat& gray, const cv::Mat& reduced, PointsState* state);
 
 /// Tracks all points from the image before to the newest one; lost ones are dropped.
 void follow_points(PointsState* state);

@@ -9,8 +9,8 @@
 
 namespace polhode {
 
-void shrink(const cv::Mat& picture, const cv::Size& size, int by, cv::Mat* out) {
-  cv::Mat halved = picture;
+void shrink(const cv::Mat& image, const cv::Size& size, int by, cv::Mat* out) {
+  cv::Mat halved = image;
   for (int left = by / 2; left > 1; left /= 2) {
     cv::Mat half;
     cv::resize(halved, half, size * left, 0.0, 0.0, cv::INTER_AREA);

@@ -167,7 +167,7 @@ void drop_unconnected_frames(std::size_t tracks_min, TrackTable* table) {
 void drop_resting_tracks(TrackTable* table, RestingPlaces* resting) {
   constexpr std::size_t kPoints = 3;  // two coincide by chance
   // Three sigma of a strong feature that is detected again in the same place. On a body, where its
-  // axis meets the picture, tracks move by 0.2 to 1 px.
+  // axis meets the image, tracks move by 0.2 to 1 px.
   constexpr double kRest_px = 0.4;
   // So many move, by as much in the middle, that the body turns. Chosen: as many as span a window
   // that is searched, and more than what a slow body's tracks differ by.

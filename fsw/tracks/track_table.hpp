@@ -64,7 +64,7 @@ void drop_oldest_frame(TrackTable* table);
 /// these. They show something else: no initialisation can use both.
 void drop_unconnected_frames(std::size_t tracks_min, TrackTable* table);
 
-/// Drops the tracks that stay where they are in the picture while others move, and remembers their
+/// Drops the tracks that stay where they are in the image while others move, and remembers their
 /// places. Where nothing moves they stay.
 void drop_resting_tracks(TrackTable* table, RestingPlaces* resting);
 

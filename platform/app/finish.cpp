@@ -34,7 +34,7 @@ Pose causal_pose(const MotionState& m) {
 }
 
 /// Every frame's pose from the map at rest. Frames that had none at their time are looked at again.
-/// A picture whose pose departs from the motion is of another time, or of the first moment after a
+/// An image whose pose departs from the motion is of another time, or of the first moment after a
 /// contact: it gives none. Nor does a map that was not borne out.
 std::vector<SmoothedPose> smooth_frames(Component& component,
                                         const Sequence& sequence,
@@ -65,7 +65,7 @@ std::vector<SmoothedPose> smooth_frames(Component& component,
 }
 
 /// The frame that carries the scale may have found its pose only now, and has its best one now:
-/// that of its keyframe, or what its picture gives.
+/// that of its keyframe, or what its image gives.
 void measure_scale_late(const Sequence& sequence, const ReplayLog& log, Component* component) {
   const GroundView view = view_of(*component);
   const ScaleOptions& options = view.parameters.scale;

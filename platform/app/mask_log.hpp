@@ -20,7 +20,7 @@ class MaskLog {
   void close();
 
  private:
-  OutputFile pictures_;
+  OutputFile images_;
   OutputFile tracks_;
   std::vector<unsigned char> pixels_;
 };

@@ -33,7 +33,7 @@ bool is_jpeg(const std::vector<std::uint8_t>& octets) {
   return octets.size() >= 2 && octets[0] == 0xFF && octets[1] == 0xD8;
 }
 
-/// The picture's levels, 8 bits a pixel. Its size is looked at before memory is taken for it.
+/// The image's levels, 8 bits a pixel. Its size is looked at before memory is taken for it.
 std::vector<std::uint8_t> read_levels(const fs::path& file,
                                       const CameraParameters& camera,
                                       const std::vector<std::uint8_t>& octets) {
@@ -118,8 +118,8 @@ OwnStructureFile::OwnStructureFile(const fs::path& file, const CameraParameters&
 }
 
 std::size_t own_structure_octets(const fs::path& file, const CameraParameters& camera) {
-  // The file is no longer than the picture of 16 bits that it may hold and its headers; the
-  // picture, its levels, and the two reduced ones. What PNG's library takes is told in
+  // The file is no longer than the image of 16 bits that it may hold and its headers; the
+  // image, its levels, and the two reduced ones. What PNG's library takes is told in
   // add_sequence().
   constexpr std::size_t kPerPixel = 8;
   constexpr std::size_t kBeside = std::size_t{512} << 10U;

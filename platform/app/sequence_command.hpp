@@ -13,7 +13,7 @@ struct SequenceArguments {
 
 /// Prints data.csv and sensor.yaml as one JSON object. Its texts are
 /// those of json_text().
-/// @throws UnusableInput as open_sequence() does for the tables; pictures are not looked at.
+/// @throws UnusableInput as open_sequence() does for the tables; images are not looked at.
 void print_sequence(const SequenceArguments& arguments);
 
 }  // namespace polhode::platform

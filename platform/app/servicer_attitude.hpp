@@ -1,4 +1,4 @@
-// The servicer's own attitude over a sequence, from a file beside its pictures.
+// The servicer's own attitude over a sequence, from a file beside its images.
 #pragma once
 
 #include <Eigen/Geometry>

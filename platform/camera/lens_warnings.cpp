@@ -10,8 +10,8 @@
 namespace polhode::platform {
 namespace {
 
-// Chosen, of a picture's side. Sensors and lenses are centred to some per cent. What is cut out of
-// a larger picture may be farther off.
+// Chosen, of an image's side. Sensors and lenses are centred to some per cent. What is cut out of
+// a larger image may be farther off.
 constexpr double kOffCentreMax = 0.15;
 // Chosen: the pixels of cameras are squares, those of analogue video up to 1.1 wide.
 constexpr double kPixelRatioMax = 1.2;
@@ -50,11 +50,11 @@ CameraParameters reordered(const CameraParameters& c, const std::array<double, 4
   return out;
 }
 
-/// Does the principal point suit a picture some times as large, and this one not?
+/// Does the principal point suit an image some times as large, and this one not?
 double times_as_large(const CameraParameters& c) {
   const double by_width = (2.0 * c.cu_px + 1.0) / c.width_px;
   const double by_height = (2.0 * c.cv_px + 1.0) / c.height_px;
-  constexpr double kAlike = 1.1;  // both sides of a scaled picture, to a tenth
+  constexpr double kAlike = 1.1;  // both sides of a scaled image, to a tenth
   const bool positive = by_width > 0.0 && by_height > 0.0;
   return positive && ratio(by_width, by_height) < kAlike ? 0.5 * (by_width + by_height) : 1.0;
 }
@@ -112,7 +112,7 @@ std::string field_of_view(const CameraParameters& c) {
       kFieldMax_deg);
 }
 
-/// Where the radius in the picture no longer grows with that of the ray, pixels have two rays.
+/// Where the radius in the image no longer grows with that of the ray, pixels have two rays.
 std::string distortion(const CameraParameters& c) {
   constexpr int kSteps = 64;  // of the radius; coarse is enough for a polynomial of degree four
   constexpr double kFarthest = 4.0;  // a barrel shows rays that lie farther out than a pinhole's
@@ -122,7 +122,7 @@ std::string distortion(const CameraParameters& c) {
   for (int i = 1; i <= kSteps; ++i) {
     const double r = kFarthest * corner * i / kSteps;
     if (r * (1.0 + c.k1 * r * r + c.k2 * r * r * r * r) >= corner) {
-      return "";  // what lies farther out is not in the picture
+      return "";  // what lies farther out is not in the image
     }
     if (1.0 + 3.0 * c.k1 * r * r + 5.0 * c.k2 * r * r * r * r <= 0.0) {
       return fmt::format(

@@ -1,4 +1,4 @@
-// Are a camera's numbers those of a lens and of these pictures?
+// Are a camera's numbers those of a lens and of these images?
 #pragma once
 
 #include <string>

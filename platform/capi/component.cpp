@@ -54,8 +54,8 @@ void pass_on(const polhode::AssertionReport& report) {
   }
 }
 
-/// Are the rows of the picture whole, and of a depth that there is?
-bool is_picture(const polhode_input& input) {
+/// Are the rows of the image whole, and of a depth that there is?
+bool is_image(const polhode_input& input) {
   const bool depth = input.pixel_bits == 8 || input.pixel_bits == 16;
   return depth && input.width_px > 0 && input.height_px > 0 &&
          input.stride_octets >= std::int64_t{input.width_px} * (input.pixel_bits / 8);
@@ -65,7 +65,7 @@ bool is_whole(const polhode_input& input) {
   const bool commands = input.command_count == 0 ||
                         (input.commands != nullptr && input.command_count <= POLHODE_COMMANDS_MAX);
   const bool jobs = input.finished_count == 0 || input.finished != nullptr;
-  return commands && jobs && (input.pixels == nullptr || is_picture(input));
+  return commands && jobs && (input.pixels == nullptr || is_image(input));
 }
 
 /// The jobs due now are those that were handed in, each once, and all are done. The component

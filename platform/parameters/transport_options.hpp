@@ -16,7 +16,7 @@ struct TransportOptions {
                                         ///< unauthenticated
   std::filesystem::path commands_file;  ///< [commands] file: of a replay; empty: none
   std::filesystem::path
-      own_structure_file;  ///< [mask] file: picture of the servicer's own; empty: none
+      own_structure_file;  ///< [mask] file: image of the servicer's own; empty: none
 };
 
 /// True for `transport` and `commands`.

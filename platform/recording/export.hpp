@@ -21,7 +21,7 @@ struct ExportReport {
   std::uint64_t octets_lost = 0;
   std::uint32_t files_lost = 0;
   std::string own_structure_sha256 =
-      {};  ///< of the picture that mask.file named; it is not in the recording
+      {};  ///< of the image that mask.file named; it is not in the recording
   bool has_checkpoint = false;
   bool has_begin = false;  ///< else the replay starts where the recording does
 };

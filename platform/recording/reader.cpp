@@ -84,7 +84,7 @@ bool unpack(const RecordHeader& header,
             std::vector<std::uint8_t>* content) {
   const std::size_t pixels = static_cast<std::size_t>(header.width_px) * header.height_px;
   const std::size_t octets = header.deep ? 2 * pixels : pixels;
-  // No LZ4 block unpacks to more than 255 times its length: a size beyond that is no picture's.
+  // No LZ4 block unpacks to more than 255 times its length: a size beyond that is no image's.
   constexpr std::size_t kLz4Ratio = 255;
   if (octets > octets_max || octets > kLz4Ratio * (content->size() + 1)) {
     return false;
@@ -136,8 +136,8 @@ bool RecordingReader::read_record(Record* record) {
   }
   record->header = *header;
   record->content.assign(content.begin(), content.end());
-  const bool picture = header->kind == RecordKind::kFrame && header->readable;
-  if (picture && !unpack(*header, frame_octets_max_, &record->content)) {
+  const bool has_image = header->kind == RecordKind::kFrame && header->readable;
+  if (has_image && !unpack(*header, frame_octets_max_, &record->content)) {
     return false;
   }
   if (header->kind == RecordKind::kBegin) {

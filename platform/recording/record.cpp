@@ -28,14 +28,14 @@ T take(const std::uint8_t*& at) {
   return static_cast<T>(value);
 }
 
-/// Kinds that exist, and a picture of a size that a camera can have.
+/// Kinds that exist, and an image of a size that a camera can have.
 bool is_possible(const RecordHeader& header) {
   const bool kinds = header.kind >= RecordKind::kBegin && header.kind <= RecordKind::kCheckpoint &&
                      header.packing <= RecordPacking::kDifferenceLz4 &&
                      header.reason >= DropReason::kLate &&
                      header.reason <= DropReason::kNotRecorded;
-  const bool picture = header.kind == RecordKind::kFrame && header.readable;
-  return kinds && (!picture || (header.width_px > 0 && header.height_px > 0 &&
+  const bool has_image = header.kind == RecordKind::kFrame && header.readable;
+  return kinds && (!has_image || (header.width_px > 0 && header.height_px > 0 &&
                                 header.width_px <= limits::kImageSide &&
                                 header.height_px <= limits::kImageSide));
 }

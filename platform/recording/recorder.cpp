@@ -205,8 +205,8 @@ void Recorder::compress(Slot& slot, std::span<const std::uint8_t>* content) {
 void Recorder::write_slot(Slot& slot) {
   std::span<const std::uint8_t> content = slot.content.first(slot.header.octets);
   slot.header.packing = RecordPacking::kRaw;
-  const bool picture = slot.header.kind == RecordKind::kFrame && slot.header.readable;
-  if (picture) {
+  const bool has_image = slot.header.kind == RecordKind::kFrame && slot.header.readable;
+  if (has_image) {
     compress(slot, &content);
   }
   const bool written = write_in_turn(slot.header, content);

@@ -35,7 +35,7 @@ struct RecorderCounters {
 
 class Recorder {
  public:
-  /// What its pictures need.
+  /// What its images need.
   static std::size_t octets_needed(std::size_t slots, std::size_t frame_octets_max);
 
   /// Takes all memory that it will need. @param begin what the run's parameters are, as text.
@@ -80,7 +80,7 @@ class Recorder {
   std::string begin_;
   Segments segments_;
   std::vector<Slot> slots_;
-  TableMemory memory_;  ///< of all pictures that wait, beside the pools, which are the libraries'
+  TableMemory memory_;  ///< of all images that wait, beside the pools, which are the libraries'
   std::span<std::uint8_t> differences_;
   std::span<std::uint8_t> compressed_;
   std::span<std::uint8_t> lz4_state_;

@@ -13,7 +13,7 @@
 namespace polhode::assess_test {
 namespace {
 
-using namespace pictures;
+using namespace images;
 
 /// A history of good frames; the next is number `frames`.
 struct Watch {
@@ -27,7 +27,7 @@ struct Watch {
       EXPECT_EQ(verdict.decision, FrameDecision::kUse);
     }
   }
-  cv::Mat good() const { return picture(next, static_cast<std::uint64_t>(next)); }
+  cv::Mat good() const { return image(next, static_cast<std::uint64_t>(next)); }
   FrameVerdict show(const cv::Mat& gray) {
     ++next;
     return assess(gray, options, &history);
@@ -91,7 +91,7 @@ TEST(Assess, GetsUsedToRowsThatStay_InASceneWithoutNoise) {
   int skipped = 0;
   FrameVerdict last;
   for (int i = 0; i < 30; ++i) {
-    cv::Mat gray = picture(0, 1);  // the same noise in each frame: what does not move is equal
+    cv::Mat gray = image(0, 1);  // the same noise in each frame: what does not move is equal
     gray(cv::Rect(60 + i, 70, 20, 20)).setTo(200);
     last = assess(gray, {}, &history);
     skipped += last.decision == FrameDecision::kSkip ? 1 : 0;
@@ -113,12 +113,12 @@ TEST(Assess, ADarkFrameDeliveredTwiceIsDark_ThenFrozen) {
 TEST(Assess, NamesTheFaultThatAFrameIsSkippedFor) {
   QualityHistory history;
   for (int i = 0; i < 12; ++i) {
-    cv::Mat gray = picture(0, 1);
+    cv::Mat gray = image(0, 1);
     gray(cv::Rect(60 + i, 70, 20, 20)).setTo(200);
     (void)assess(gray, {}, &history);
   }
   cv::Mat broken =
-      picture(0, 1);  // its rows repeat as always, and a block of it is octets by chance
+      image(0, 1);  // its rows repeat as always, and a block of it is octets by chance
   broken(cv::Rect(72, 70, 20, 20)).setTo(200);
   Rng rng(3, 0);
   for (int v = 16; v < 64; ++v) {
@@ -158,7 +158,7 @@ TEST(Assess, GetsUsedToLessLight) {
 }
 
 // verifies: IMG-01
-TEST(Assess, NeverUsesADarkPicture_HoweverLong) {
+TEST(Assess, NeverUsesADarkImage_HoweverLong) {
   Watch watch;
   for (int i = 0; i < 40; ++i) {
     EXPECT_EQ(watch.show(constant(kWidth, kHeight, 1)).decision, FrameDecision::kSkip);
@@ -180,7 +180,7 @@ TEST(Assess, SkipsAnOverexposedFrame_ButNotAnOverexposedSequence) {
   }
 }
 
-TEST(Assess, CallsAPictureThatIsAllAtFullScaleSaturated_NotFlat) {
+TEST(Assess, CallsAnImageThatIsAllAtFullScaleSaturated_NotFlat) {
   Watch watch;
   expect_skipped(watch.show(constant(kWidth, kHeight, 255)), FrameFault::kSaturated);
   expect_good(watch.show(watch.good()));
@@ -203,8 +203,8 @@ TEST(Assess, FindsSaltedPixels_AndSkipsWhereTheyAreMany) {
   }
 }
 
-/// A picture of clouds: outlier pixels, fewer of them the farther out, others in
-/// each picture.
+/// An image of clouds: outlier pixels, fewer of them the farther out, others in
+/// each image.
 cv::Mat speckled(std::uint64_t seed, int shift_px) {
   constexpr double kShare = 3e-3;  // by 24 levels and more a third of it
   constexpr double kTypical = 20.0;
@@ -259,7 +259,7 @@ TEST(Assess, SkipsBrokenLines) {
   expect_skipped(watch.show(broken), FrameFault::kBitErrors);
 }
 
-/// Random octets: as rough, and as sharp, as a picture can be.
+/// Random octets: as rough, and as sharp, as an image can be.
 cv::Mat random_octets(std::uint64_t seed) {
   cv::Mat gray(kHeight, kWidth, CV_8UC1);
   Rng rng(seed, 0);
@@ -292,14 +292,14 @@ TEST(Assess, DegradesABlurredFrame) {
 }
 
 // verifies: IMG-01
-TEST(Assess, NeverUsesAPictureThatIsAllAtFullScale_HoweverLong) {
+TEST(Assess, NeverUsesAnImageThatIsAllAtFullScale_HoweverLong) {
   Watch watch;
   for (int i = 0; i < 40; ++i) {
     EXPECT_EQ(watch.show(constant(kWidth, kHeight, 255)).decision, FrameDecision::kSkip) << i;
   }
 }
 
-TEST(Assess, CallsAPictureWithoutContrastFlat) {
+TEST(Assess, CallsAnImageWithoutContrastFlat) {
   QualityHistory history;
   expect_skipped(assess(constant(kWidth, kHeight, 128), {}, &history), FrameFault::kFlat);
 }
@@ -311,9 +311,9 @@ TEST(Assess, IsTheSame_ForTheSameFrames) {
   cv::Mat torn = a.good();
   dark.rowRange(60, kHeight).copyTo(torn.rowRange(60, kHeight));
   int faults = 0;
-  for (const cv::Mat& picture : {a.good(), dark, dark, torn}) {
-    const FrameVerdict va = a.show(picture);
-    const FrameVerdict vb = b.show(picture);
+  for (const cv::Mat& image : {a.good(), dark, dark, torn}) {
+    const FrameVerdict va = a.show(image);
+    const FrameVerdict vb = b.show(image);
     EXPECT_EQ(va.faults, vb.faults);
     EXPECT_EQ(va.decision, vb.decision);
     EXPECT_EQ(va.measure, vb.measure);

@@ -11,7 +11,7 @@
 namespace polhode::image_test {
 namespace {
 
-TEST(ImportFrame, CopiesEveryPixel_WhenRowsAreLongerThanThePicture) {
+TEST(ImportFrame, CopiesEveryPixel_WhenRowsAreLongerThanTheImage) {
   constexpr int kWidth = 7;
   constexpr int kHeight = 5;
   constexpr int kStride = 11;

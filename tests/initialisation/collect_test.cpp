@@ -102,18 +102,18 @@ TEST_F(CollectFrame, TheProblemHasEveryFrameWithItsTimeAndEveryTrack) {
   }
 }
 
-TEST_F(CollectFrame, TheProblemHasThePictureOfEachFrameAboutItsFeatures) {
+TEST_F(CollectFrame, TheProblemHasTheImageOfEachFrameAboutItsFeatures) {
   const auto job = std::make_unique<InitialisationJob>();
   for (int frame = 0; frame < 3; ++frame) {
     const auto seen = ball(0.2 * frame);
     (void)show(*seen);
     const cv::Mat gray(
         kCamera.height_px, kCamera.width_px, CV_8UC1, cv::Scalar(10.0 * (frame + 1)));
-    keep_crop(gray, second_, seen->view(), &job->pictures.crops);
+    keep_crop(gray, second_, seen->view(), &job->images.crops);
   }
   pose_problem(kCamera, {}, 7, state_.get(), job.get());
   for (int frame = 0; frame < 3; ++frame) {
-    const Crop* const crop = job->pictures.crop(static_cast<std::size_t>(frame));
+    const Crop* const crop = job->images.crop(static_cast<std::size_t>(frame));
     ASSERT_NE(crop, nullptr);
     EXPECT_GT(crop->width, 80);
     EXPECT_LT(crop->width, 120);
@@ -122,8 +122,8 @@ TEST_F(CollectFrame, TheProblemHasThePictureOfEachFrameAboutItsFeatures) {
   for (std::size_t t = 0; t < job->track_count; ++t) {
     for (const InitialObservation& o : job->tracks[t].observations) {
       const auto frame = static_cast<std::size_t>(o.frame);
-      ASSERT_TRUE(job->pictures.places[t].has(frame));
-      const Eigen::Vector2d px = job->pictures.places[t].px[frame].cast<double>();
+      ASSERT_TRUE(job->images.places[t].has(frame));
+      const Eigen::Vector2d px = job->images.places[t].px[frame].cast<double>();
       EXPECT_LT((undistort(kCamera, px) - o.normalised).norm() * kCamera.focal_px(), 1e-4);
     }
   }
@@ -132,7 +132,7 @@ TEST_F(CollectFrame, TheProblemHasThePictureOfEachFrameAboutItsFeatures) {
 TEST_F(CollectFrame, BringsRowsOfARollingShutterToTheFramesTime) {
   constexpr double kSpeed_px_s = 40.0;
   CameraModel rolling = kCamera;
-  rolling.line_time_s = 2e-3;  // the picture in half of the time between frames
+  rolling.line_time_s = 2e-3;  // the image in half of the time between frames
   for (int frame = 0; frame < 3; ++frame) {
     auto seen = ball(0.0, kSpeed_px_s * frame);
     for (Feature& f : *seen) {

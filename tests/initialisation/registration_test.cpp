@@ -75,13 +75,13 @@ TEST_F(RegisterPatch, OfAnotherSurfaceDoesNotCorrelate) {
   EXPECT_TRUE(!found || found->zncc < 0.75);
 }
 
-TEST_F(RegisterPatch, NothingIsFoundWhereTheWindowLeavesThePicture) {
+TEST_F(RegisterPatch, NothingIsFoundWhereTheWindowLeavesTheImage) {
   const auto crop = whole(textured_view::render({}, 2));
   EXPECT_FALSE(register_patch(patch_, *crop, Eigen::Matrix2d::Identity(), {3.0, 40.0}));
   EXPECT_FALSE(register_patch(patch_, *crop, Eigen::Matrix2d::Identity(), {1e9, -1e9}));
 }
 
-TEST_F(RegisterPatch, AFlatPictureIsNoMatch) {
+TEST_F(RegisterPatch, AFlatImageIsNoMatch) {
   const auto crop = whole(cv::Mat(100, 120, CV_8UC1, cv::Scalar(90.0)));
   EXPECT_FALSE(register_patch(patch_, *crop, Eigen::Matrix2d::Identity(), kSpot));
 }

@@ -19,7 +19,7 @@ using namespace synthetic;
 constexpr double kTurnSigma_rad = 0.01;
 constexpr double kShiftSigma_mu = 0.02;
 
-/// A mapped body, and a picture in which few of its spots are left.
+/// A mapped body, and an image in which few of its spots are left.
 struct Bench : SeenFrame {
   std::vector<Spot> body = ball(400, 11);
   Pose truth = turned(0.3);
@@ -30,17 +30,17 @@ struct Bench : SeenFrame {
     const SyntheticMap mapped = make_map(body, turn_by(0.12, 6), kNoise_px, 11);
     state->map = *mapped.map;
     Rng rng(seed, 131);
-    const Picture all = take_picture(body, truth, kNoise_px, 0, &rng);
+    const Picture all = take_image(body, truth, kNoise_px, 0, &rng);
     for (std::size_t i = 0; i < all.spot_of.size() && left > 0; i += every) {
       if (mapped.landmark_of[static_cast<std::size_t>(all.spot_of[i])].valid()) {
-        EXPECT_TRUE(picture.features->push_back((*all.features)[i]));
+        EXPECT_TRUE(image.features->push_back((*all.features)[i]));
         --left;
       }
     }
     EXPECT_EQ(left, 0);
-    const Picture nothing = take_picture({}, truth, kNoise_px, clutter, &rng);
+    const Picture nothing = take_image({}, truth, kNoise_px, clutter, &rng);
     for (const Feature& feature : *nothing.features) {
-      EXPECT_TRUE(picture.features->push_back(feature));
+      EXPECT_TRUE(image.features->push_back(feature));
     }
   }
 
@@ -89,8 +89,8 @@ TEST(FindWithPrior, HoldsAViewOfEightLandmarks_ThatIsTooLittleForAPoseOfItsOwn) 
 
 TEST(FindWithPrior, MarksTheMatchesThatAgree) {
   Bench b(9);
-  for (Feature& feature : *b.picture.features) {
-    feature.u_px += &feature == &(*b.picture.features)[4] ? 12.0F : 0.0F;
+  for (Feature& feature : *b.image.features) {
+    feature.u_px += &feature == &(*b.image.features)[4] ? 12.0F : 0.0F;
     feature.normalised =
         undistort(b.model, {static_cast<double>(feature.u_px), static_cast<double>(feature.v_px)});
   }
@@ -121,7 +121,7 @@ TEST(FindWithPrior, HoldsNothing_WhereTheFeaturesAreAnotherBodys) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     Bench b(0, seed);
     Rng rng(seed, 132);
-    b.picture = take_picture(ball(400, 12), b.truth, kNoise_px, 0, &rng);
+    b.image = take_image(ball(400, 12), b.truth, kNoise_px, 0, &rng);
     EXPECT_FALSE(b.hold(b.expected(0.0))) << seed;
   }
 }
@@ -166,7 +166,7 @@ constexpr int kClutter = 800;
 /// the motion's word.
 void displace_half(Bench* b) {
   Rng rng(3, 17);
-  Features& features = *b->picture.features;
+  Features& features = *b->image.features;
   for (std::size_t i = 0; i < features.size(); i += 2) {
     const double direction_rad = 6.283 * rng.uniform();
     features[i].u_px += static_cast<float>(3.0 * std::cos(direction_rad));

@@ -11,9 +11,9 @@ namespace {
 
 using namespace synthetic;
 
-/// A frame whose features are those of a picture, each match an inlier where `is_inlier` says so.
+/// A frame whose features are those of an image, each match an inlier where `is_inlier` says so.
 struct Frame {
-  Picture picture;
+  Picture image;
   std::unique_ptr<LocalisedFrame> localised = std::make_unique<LocalisedFrame>();
 };
 
@@ -22,10 +22,10 @@ Frame frame_of(const std::vector<Spot>& body,
                const Pose& pose,
                int outlier_every) {
   Rng rng(5, 121);
-  Frame frame{.picture = take_picture(body, pose, kNoise_px, 0, &rng)};
+  Frame frame{.image = take_image(body, pose, kNoise_px, 0, &rng)};
   frame.localised->absolute.pose = pose;
-  for (std::size_t i = 0; i < frame.picture.spot_of.size(); ++i) {
-    const LandmarkId id = mapped.landmark_of[static_cast<std::size_t>(frame.picture.spot_of[i])];
+  for (std::size_t i = 0; i < frame.image.spot_of.size(); ++i) {
+    const LandmarkId id = mapped.landmark_of[static_cast<std::size_t>(frame.image.spot_of[i])];
     if (id.valid()) {
       const bool inlier = outlier_every == 0 || i % static_cast<std::size_t>(outlier_every) != 0;
       (void)frame.localised->matches.push_back(
@@ -36,7 +36,7 @@ Frame frame_of(const std::vector<Spot>& body,
 }
 
 KeyframeId insert(const Frame& frame, const MapOptions& options, Map* map) {
-  return insert_keyframe(77, 123456789, *frame.picture.features, *frame.localised, options, map);
+  return insert_keyframe(77, 123456789, *frame.image.features, *frame.localised, options, map);
 }
 
 TEST(WantsKeyframe, IsTrue_WhenThereIsNone) {
@@ -83,7 +83,7 @@ TEST(InsertKeyframe, StoresTheFrame_AndTiesItsInliersOnly) {
   EXPECT_EQ(keyframe.frame, 77U);
   EXPECT_EQ(keyframe.timestamp_ns, 123456789);
   EXPECT_EQ(keyframe.pose.p_CT, turned(0.5).p_CT);
-  EXPECT_EQ(keyframe.features.size(), frame.picture.features->size());
+  EXPECT_EQ(keyframe.features.size(), frame.image.features->size());
   int tied = 0;
   for (const LandmarkMatch& m : frame.localised->matches) {
     const LandmarkId held = keyframe.landmark_of[static_cast<std::size_t>(m.feature)];

@@ -45,7 +45,7 @@ TEST(MemoryPlan, TakesTheMaskAtThePixelsThatItWorksOn) {
   constexpr std::size_t kPerPixel = 160;
   EXPECT_EQ(mask_octets_of(at(640, 480)), kPerPixel * 640 * 480);
   EXPECT_EQ(mask_octets_of(at(1280, 720)), kPerPixel * 640 * 360);
-  // Three would do to be at most 640 across, but pictures are halved: four.
+  // Three would do to be at most 640 across, but images are halved: four.
   EXPECT_EQ(mask_octets_of(at(1920, 1080)), kPerPixel * 480 * 270);
   EXPECT_EQ(mask_octets_of(at(3840, 2160)), kPerPixel * 480 * 270);
 }
@@ -80,7 +80,7 @@ TEST(MemoryPlan, RefusesATotalThatIsTooSmall_AndSaysWhatIsNeeded) {
   EXPECT_NE(text_of(plan).find("does not fit"), std::string::npos);
 }
 
-TEST(MemoryPlan, OfAnUprightPictureIsThatOfALyingOne) {
+TEST(MemoryPlan, OfAnUprightImageIsThatOfALyingOne) {
   for (const auto& [longer, shorter] : {std::pair(960, 540), std::pair(1920, 1080)}) {
     const MemoryPlan upright = plan_memory(at(shorter, longer));
     EXPECT_EQ(upright.problem, "");
@@ -191,7 +191,7 @@ TEST(MemoryPlan, HoldsTheFilesOfASequence_AndWhatDecodingTakes) {
   EXPECT_NE(plan_memory(p, needs).problem.find("budget.general_mb"), std::string::npos);
 }
 
-TEST(MemoryPlan, ALargerPictureTakesMore) {
+TEST(MemoryPlan, ALargerImageTakesMore) {
   EXPECT_GT(plan_memory(at(1920, 1080)).total_octets, plan_memory(at(640, 480)).total_octets);
 }
 

@@ -225,7 +225,7 @@ inline Pose turning(double frame) {
 }
 
 /// What the camera sees of it, frame by frame.
-inline std::vector<Picture> pictures_of_turning(int frames) {
+inline std::vector<Picture> images_of_turning(int frames) {
   const Ball ball(3);
   std::vector<Picture> pictures;
   for (int i = 0; i < frames; ++i) {

@@ -18,7 +18,7 @@ inline constexpr int kFramesBefore = 14;
 inline constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 inline const StepOutput& show(Bench& b, int frame) {
-  static const std::vector<Picture> rendered = pictures_of_turning(kFrames);
+  static const std::vector<Picture> rendered = images_of_turning(kFrames);
   return b.component->step({.frame = frame_of((frame + 1) * Bench::kSecond_ns,
                                               rendered[static_cast<std::size_t>(frame)])});
 }

@@ -165,7 +165,7 @@ TEST(Decode, EveryTruncationIsRefused_AndSaysSo_WhereAPixelIsMissing) {
     for (std::size_t size = 0; size < file.size(); ++size) {
       DecodedImage image;
       const Refusal refusal = decode(Octets(file).first(size), image);
-      if (!refusal) {  // a JPEG without its end marker: all of the picture is there
+      if (!refusal) {  // a JPEG without its end marker: all of the image is there
         ASSERT_EQ(&file, &files[1]);
         ASSERT_GE(size + 2, file.size());
         ASSERT_EQ(image.pixels, whole.pixels);

@@ -25,7 +25,7 @@ TEST(LensDoubts, UsualCamerasRaiseNone) {
   EXPECT_EQ(wrong_order(euroc), "");
 }
 
-TEST(LensDoubts, IntrinsicsOfALargerPictureAreNamed) {
+TEST(LensDoubts, IntrinsicsOfALargerImageAreNamed) {
   const auto warnings = lens_warnings(camera(1777.8, 1777.8, 639.5, 479.5));
   ASSERT_EQ(warnings.size(), 1U);
   EXPECT_TRUE(holds(warnings[0], "intrinsics: the principal point (639.5, 479.5) is 50 %"))
@@ -47,7 +47,7 @@ TEST(LensDoubts, FieldsOfViewThatNoPinholeHas) {
   EXPECT_EQ(lens_warnings(camera(9e5, 9e5, 319.5, 239.5)).size(), 1U);
 }
 
-TEST(LensDoubts, ADistortionThatFoldsWithinThePicture) {
+TEST(LensDoubts, ADistortionThatFoldsWithinTheImage) {
   CameraParameters folded = camera(500, 500, 319.5, 239.5);
   folded.k1 = -0.8;
   const auto warnings = lens_warnings(folded);
@@ -57,7 +57,7 @@ TEST(LensDoubts, ADistortionThatFoldsWithinThePicture) {
   EXPECT_TRUE(lens_warnings(folded).empty());
 }
 
-TEST(LensDoubts, AnotherOrderIsRefused_ACutOutPictureIsNot) {
+TEST(LensDoubts, AnotherOrderIsRefused_ACutOutImageIsNot) {
   EXPECT_TRUE(holds(wrong_order(camera(888.9, 319.5, 888.9, 239.5)), "look like fu, cu, fv, cv"));
   EXPECT_TRUE(holds(wrong_order(camera(319.5, 239.5, 888.9, 888.9)), "look like cu, cv, fu, fv"));
   EXPECT_EQ(wrong_order(camera(888.9, 888.9, 319.5, 239.5)), "");

@@ -22,7 +22,7 @@ class ShortCamera final : public LiveCamera {
     if (left_-- == 0) {
       return Arrival::kEnded;
     }
-    *frame = bench::frame_of(++counted.frames * bench::Bench::kSecond_ns, picture_);
+    *frame = bench::frame_of(++counted.frames * bench::Bench::kSecond_ns, image_);
     return Arrival::kFrame;
   }
   [[nodiscard]] std::int64_t available_ns() const override { return 0; }
@@ -34,7 +34,7 @@ class ShortCamera final : public LiveCamera {
 
  private:
   int left_;
-  bench::Picture picture_ = bench::uniform(0);
+  bench::Picture image_ = bench::uniform(0);
 };
 
 class LiveRun : public testing::Test {

@@ -89,7 +89,7 @@ TEST(Parameters, AWordThatIsNoneIsRefusedByItsNumber) {
   }
 }
 
-TEST(Parameters, APictureIsAsLargeAsTheTablesAtMost) {
+TEST(Parameters, AnImageIsAsLargeAsTheTablesAtMost) {
   Parameters parameters;
   parameters.camera = good_camera();
   parameters.camera.width_px = static_cast<int>(limits::kImageSide);

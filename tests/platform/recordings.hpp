@@ -1,4 +1,4 @@
-// Recordings of made-up pictures.
+// Recordings of made-up images.
 #pragma once
 
 #include <cstdint>

@@ -152,7 +152,7 @@ TEST(Sequence, RefusesFoldersThatAreNone) {
   EXPECT_HOLDS(refusal("."), "not an image sequence: mav0/cam0/data.csv is missing");
 }
 
-TEST(Sequence, TheTablesAreReadWithoutPictures_AndIntrinsicsToBeEstimatedWhereTheyAreAllowed) {
+TEST(Sequence, TheTablesAreReadWithoutImages_AndIntrinsicsToBeEstimatedWhereTheyAreAllowed) {
   const TemporaryFolder folder;
   folder.write("mav0/cam0/data.csv",
                "# by hand, left\n100000000,a b.png\n# dark, 2 ms\n200000000,\xE9.png,more\n");
@@ -250,7 +250,7 @@ TEST(FileCamera, HandsOverEveryFrame_BadOnesAsNotReadable) {
   EXPECT_FALSE(camera.next(frame));
 }
 
-TEST(FileCamera, PicturesOf8BitsAmong16AreTold_AndSayNothingOfTheOthersDepth) {
+TEST(FileCamera, ImagesOf8BitsAmong16AreTold_AndSayNothingOfTheOthersDepth) {
   const SequenceFolder folder;
   const File rows(std::size_t{kWidth} * kHeight * 2, 9);  // 0x0909: a level of 12 bits
   const File file = encode_png({.width = kWidth, .height = kHeight, .depth = 16}, rows);
@@ -268,7 +268,7 @@ TEST(FileCamera, PicturesOf8BitsAmong16AreTold_AndSayNothingOfTheOthersDepth) {
   EXPECT_HOLDS(camera.mixed_remark(), "differs: b.pgm)");
 }
 
-TEST(FileCamera, APgmOfSeveralPicturesIsNotReadable_ALineEndBehindItIs) {
+TEST(FileCamera, APgmOfSeveralImagesIsNotReadable_ALineEndBehindItIs) {
   const SequenceFolder folder;
   folder.frame("b.pgm", image() + image());
   folder.frame("c.pgm", image() + "\n");
@@ -299,7 +299,7 @@ TEST(FileCamera, AFileThatNoFrameCanNeedIsNotRead) {
   EXPECT_TRUE(frame.readable);
 }
 
-TEST(FileCamera, APictureInSeveralScansIsReadOnlyWhereTheFirstIsOne) {
+TEST(FileCamera, AnImageInSeveralScansIsReadOnlyWhereTheFirstIsOne) {
   const SequenceFolder folder;
   const File file =
       encode_jpeg(kWidth, kHeight, File(std::size_t{kWidth} * kHeight, 90), TJFLAG_PROGRESSIVE);

@@ -11,7 +11,7 @@ namespace {
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
 constexpr std::int64_t kFirst_ns = 1'700'000'000 * kSecond_ns;
 
-/// Ninety pictures at a rate, stamped in units of so many nanoseconds.
+/// Ninety images at a rate, stamped in units of so many nanoseconds.
 std::vector<std::int64_t> stamps(double rate_hz, std::int64_t unit_ns) {
   std::vector<std::int64_t> out;
   for (int i = 0; i < 90; ++i) {
@@ -48,7 +48,7 @@ TEST(Stamps, OtherUnitsAreRefused_NamingFileIntervalAndRate) {
   EXPECT_TRUE(holds(refusal(stamps(1.0, kSecond_ns), 1.0), "look like seconds or frame numbers"));
 }
 
-TEST(Stamps, MorePicturesThanAnyCameraTakesAreRefusedWithoutARate) {
+TEST(Stamps, MoreImagesThanAnyCameraTakesAreRefusedWithoutARate) {
   const std::vector<std::int64_t> numbers = {0, 1, 2, 3, 4};
   const std::string line = refusal(numbers, std::nullopt);
   EXPECT_TRUE(holds(line, "1e+09 a second")) << line;

@@ -1,4 +1,4 @@
-// Two pictures of a body whose motion is known: an affine one of all, and what its depth adds.
+// Two images of a body whose motion is known: an affine one of all, and what its depth adds.
 #include "tracks/associate.hpp"
 
 #include <gtest/gtest.h>
@@ -123,7 +123,7 @@ TEST(Associate, KeepsTheMatchesOfABodyThatTurns) {
   }
 }
 
-TEST(Associate, GivesTheSame_WhereverTheBodyIsInThePicture) {
+TEST(Associate, GivesTheSame_WhereverTheBodyIsInTheImage) {
   // A bulge and noise such that some matches at the rim are doubtful.
   const Body here{.bulge_px = 5.0};
   const FeatureMatches expected = associated(TwoFrames(kSpots, 0.3, here));

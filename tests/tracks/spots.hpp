@@ -1,4 +1,4 @@
-// Spots with looks of their own, and a table of the tracks over their pictures.
+// Spots with looks of their own, and a table of the tracks over their images.
 #pragma once
 
 #include <gtest/gtest.h>

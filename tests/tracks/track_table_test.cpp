@@ -90,7 +90,7 @@ TEST(TrackTable, ForgetsTheOldestFrame_AndTheTracksOfItAlone) {
   EXPECT_EQ(f.observations().size(), 5U);
 }
 
-TEST(TrackTable, ForgetsWhatLeadsNowhere_WhenThePictureHasChanged) {
+TEST(TrackTable, ForgetsWhatLeadsNowhere_WhenTheImageHasChanged) {
   TrackedSpots f;
   for (int i = 0; i < 6; ++i) {
     f.add(range(0, 20));  // one thing

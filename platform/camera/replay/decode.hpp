@@ -24,7 +24,7 @@ struct ImageHeader {
   /// Of 16-bit pixels the bits that the camera gave, as the file says; 0: it does not say. A PGM's
   /// are scaled to 16 by its maxval.
   int significant_bits = 0;
-  /// That the library takes for the picture as a whole: a JPEG in several scans; else 0.
+  /// That the library takes for the image as a whole: a JPEG in several scans; else 0.
   std::size_t decoder_octets = 0;
 };
 

@@ -71,7 +71,7 @@ struct Decoder {
   }
 };
 
-/// In how many scans a picture comes, by the markers up to the first one.
+/// In how many scans an image comes, by the markers up to the first one.
 struct Scans {
   std::size_t components = 0;
   bool several = false;

@@ -36,7 +36,7 @@ void on_read(png_structp png, png_bytep out, png_size_t count) {
   source->position += count;
 }
 
-/// A row as it comes: pixels, places from one to the next in the picture, channels.
+/// A row as it comes: pixels, places from one to the next in the image, channels.
 struct Row {
   std::size_t count;
   std::size_t step;
@@ -107,8 +107,8 @@ class Reader {
     return true;
   }
 
-  /// Row by row, so that colour takes no more than one beside the picture. An interlaced file has
-  /// seven passes, each a smaller picture of every eighth, fourth or second pixel.
+  /// Row by row, so that colour takes no more than one beside the image. An interlaced file has
+  /// seven passes, each a smaller image of every eighth, fourth or second pixel.
   /// @param row     row_octets() octets, for one on its way
   /// @param pixels  height() rows of width() gray samples
   bool read_rows(std::uint8_t* row, std::uint8_t* pixels) {
@@ -169,7 +169,7 @@ class Reader {
 };
 
 /// By the chunk sBIT, of the widest channel; 0: there is none. The library passes it over with all
-/// that a picture can do without.
+/// that an image can do without.
 int significant_bits(Octets file) {
   constexpr std::size_t kAround = 12;  // length, type and checksum
   constexpr std::size_t kColours = 3;  // a fourth is alpha, as is a second

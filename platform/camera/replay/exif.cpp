@@ -55,7 +55,7 @@ int exif_orientation(Octets jpeg) {
     const unsigned marker = jpeg[at + 1];
     const std::size_t octets = std::size_t{jpeg[at + 2]} << 8U | jpeg[at + 3];
     const std::size_t end = at + 2 + octets;
-    if (marker == 0xDA || octets < 2 || end > jpeg.size()) {  // the picture itself, or damage
+    if (marker == 0xDA || octets < 2 || end > jpeg.size()) {  // the image itself, or damage
       return 1;
     }
     const Octets content = jpeg.subspan(at + 4, octets - 2);

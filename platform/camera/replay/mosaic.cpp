@@ -41,7 +41,7 @@ class Levels {
     std::memcpy(&level, &image_.pixels[2 * place], sizeof level);
     return level;
   }
-  /// Of the nine pixels around a place inside the picture, 1-2-1 both ways, times 16.
+  /// Of the nine pixels around a place inside the image, 1-2-1 both ways, times 16.
   [[nodiscard]] unsigned around(int u, int v) const {
     return along(u, v - 1) + 2 * along(u, v) + along(u, v + 1);
   }
@@ -66,7 +66,7 @@ class Levels {
   int octets_;
 };
 
-/// Of a picture; u and v are even and at least 2, as around() reaches one pixel out.
+/// Of an image; u and v are even and at least 2, as around() reaches one pixel out.
 struct Part {
   int u, v, width, height;
 };

@@ -144,12 +144,12 @@ ImageHeader check_first_image(const Sequence& sequence) {
                                   first_refusal.value_or("")));
 }
 
-/// What a few pictures of a sequence tell of its levels.
+/// What a few images of a sequence tell of its levels.
 struct LevelsSeen {
-  unsigned largest = 0;     ///< in 16-bit pictures
+  unsigned largest = 0;     ///< in 16-bit images
   int declared_bits = 0;             ///< bits, as those files say; 0: they do not
   bool full_depth = false;  ///< one says that it uses all 16
-  std::size_t lit = 0;      ///< pictures that are not black
+  std::size_t lit = 0;      ///< images that are not black
   std::size_t with_mosaic = 0;
   MosaicCells cells{};  ///< summed over these
 };
@@ -194,7 +194,7 @@ LevelsSeen levels_seen(const Sequence& sequence) {
   return seen;
 }
 
-/// Bits of the largest level in 16-bit pictures: 8, 10, 12, 14 or 16; 16 for other pictures. Where
+/// Bits of the largest level in 16-bit images: 8, 10, 12, 14 or 16; 16 for other images. Where
 /// files say their bits, levels are of so many only if none is larger, as PNG asks writers to shift
 /// them up.
 int depth_of(const LevelsSeen& seen) {

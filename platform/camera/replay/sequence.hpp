@@ -20,7 +20,7 @@ struct SequenceFrame {
 
 /// What the user says of the pixels.
 struct PixelChoices {
-  int depth_bits = 0;  ///< of 16-bit pictures, 8, 10, 12, 14 or 16; 0: as they are found
+  int depth_bits = 0;  ///< of 16-bit images, 8, 10, 12, 14 or 16; 0: as they are found
   MosaicChoice mosaic = MosaicChoice::kFind;
 };
 
@@ -29,8 +29,8 @@ struct Sequence {
   std::filesystem::path image_folder;
   CameraParameters camera;
   std::vector<SequenceFrame> frames;  ///< at least one; time stamps strictly increasing
-  int depth_bits = 16;                ///< of the levels in 16-bit pictures (depth.hpp)
-  bool mosaic = false;                ///< one is to be taken out of the pictures (mosaic.hpp)
+  int depth_bits = 16;                ///< of the levels in 16-bit images (depth.hpp)
+  bool mosaic = false;                ///< one is to be taken out of the images (mosaic.hpp)
   std::size_t file_octets_max = 0;  ///< of the frames' files, those beyond frame_octets_max() aside
   std::size_t decoder_octets = 0;   ///< as ImageHeader's, of the first image
   std::vector<std::string> warnings;  ///< what is likely to be wrong, one line each with its file
@@ -40,7 +40,7 @@ struct Sequence {
 /// a pixel; one more for what a compressor adds to noise, and 1 MiB for profiles and remarks.
 std::size_t frame_octets_max(const CameraParameters& camera);
 
-/// What the tables say, whatever the pictures are.
+/// What the tables say, whatever the images are.
 struct SequenceTables {
   Sensor sensor;
   std::vector<SequenceFrame> frames;  ///< as Sequence's

@@ -20,12 +20,12 @@ struct Unit {
 constexpr std::array<Unit, 3> kOtherUnits = {
     Unit{1e3, "microseconds"}, Unit{1e6, "milliseconds"}, Unit{1e9, "seconds or frame numbers"}};
 
-// Chosen: whole pictures are taken up to some 10,000 times a second.
+// Chosen: whole images are taken up to some 10,000 times a second.
 constexpr std::int64_t kIntervalMin_ns = 10'000;
 // Stamps of another unit are off by it and by little else: clocks are good to 1e-4, and rates are
 // written with two digits.
 constexpr double kUnitTolerance = 0.02;
-// Chosen: every second picture left out is told, a rate that was rounded is not.
+// Chosen: every second image left out is told, a rate that was rounded is not.
 constexpr double kRateFactorMax = 1.5;
 
 std::vector<std::int64_t> intervals_of(std::span<const std::int64_t> stamps_ns) {
@@ -70,7 +70,7 @@ void refuse_other_units(double interval_ns,
       looks));
 }
 
-/// Pictures that are stamped when they arrive come in bursts: many long pauses among short
+/// Images that are stamped when they arrive come in bursts: many long pauses among short
 /// intervals.
 std::string bursts(std::span<const std::int64_t> intervals, double median_ns) {
   // Chosen: four frames in a row that are lost make no pause, and pauses are usual in one interval

@@ -27,7 +27,7 @@ namespace {
 
 using Octets = std::vector<std::uint8_t>;
 
-Octets picture(int width_px, int height_px) {
+Octets image(int width_px, int height_px) {
   Octets rgb(3 * static_cast<std::size_t>(width_px * height_px));
   std::uint32_t state = 1;
   for (std::size_t i = 0; i < rgb.size(); ++i) {
@@ -38,7 +38,7 @@ Octets picture(int width_px, int height_px) {
 }
 
 Octets compressed(int width_px, int height_px, int subsampling, int flags = 0) {
-  const Octets rgb = picture(width_px, height_px);
+  const Octets rgb = image(width_px, height_px);
   tjhandle coder = tjInitCompress();
   unsigned char* out = nullptr;
   unsigned long octets = 0;
