@@ -11,7 +11,7 @@ namespace polhode::limits {
 inline constexpr std::size_t kFeatures = 1000;
 
 // Pixels of the working image, in which features are detected: the default, 580,000, rounded up.
-// Its scale space takes 32 octets a pixel.
+// Its scale space takes 32 bytes a pixel.
 inline constexpr std::size_t kWorkingPixels = 600000;
 
 // The longer side of that image. Chosen: twice a side of 1920 px, for a boom across the image.
@@ -62,7 +62,7 @@ inline constexpr std::size_t kAdjustmentObservations = 600 * kKeyframes;
 // (motion.fit_poses_max). Larger: memory, and longer fits where they are used.
 inline constexpr std::size_t kMotionPoses = 512;
 
-// Octets of one packet. The largest, cloud, has 1370. With the headers of UDP and IP (28) a packet
+// Bytes of one packet. The largest, cloud, has 1370. With the headers of UDP and IP (28) a packet
 // still fits into one Ethernet frame (1500).
 inline constexpr std::size_t kPacketOctets = 1400;
 

@@ -15,10 +15,10 @@ class OutputFile {
   /// Creates or empties the file. @throws RunFailure naming it, here and in every call below.
   explicit OutputFile(const std::filesystem::path& file) : OutputFile(file, "wbe", file) {}
 
-  void write(const void* data, std::size_t octets);
+  void write(const void* data, std::size_t bytes);
   void write(std::string_view text) { write(text.data(), text.size()); }
 
-  /// Writes out what is buffered and closes. Without it an error of the last octets would go
+  /// Writes out what is buffered and closes. Without it an error of the last bytes would go
   /// unnoticed.
   void close();
 

@@ -16,7 +16,8 @@ struct EarlierTimes {
 inline bool outvotes(std::int64_t time_ns, EarlierTimes* earlier) {
   // No queue of a camera or a bus holds as many: frames delivered twice do not reach it.
   constexpr std::uint32_t kInARow = 10;
-  earlier->in_a_row = earlier->in_a_row > 0 && time_ns > earlier->last_ns ? earlier->in_a_row + 1 : 1;
+  earlier->in_a_row =
+      earlier->in_a_row > 0 && time_ns > earlier->last_ns ? earlier->in_a_row + 1 : 1;
   earlier->last_ns = time_ns;
   if (earlier->in_a_row < kInARow) {
     return false;

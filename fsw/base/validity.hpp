@@ -23,23 +23,23 @@ inline constexpr std::int64_t kTimeMax_ns = 946'080'000'000'000'000;
 /// Before the year 2116: the difference of two such times, of either sign, is a number.
 inline bool is_time(std::int64_t ns) { return ns > INT64_MIN / 2 && ns < INT64_MAX / 2; }
 
-/// A bool is one octet, which is 0 or 1.
+/// A bool is one byte, which is 0 or 1.
 inline bool is_bool(const bool& value) {
-  std::uint8_t octet = 0;
-  std::memcpy(&octet, &value, sizeof octet);
-  return octet <= 1;
+  std::uint8_t byte = 0;
+  std::memcpy(&byte, &value, sizeof byte);
+  return byte <= 1;
 }
 
 /// A flag of which another bit than its lowest was hit is what its lowest bit says.
 /// @return whether it was put right.
 inline bool repair(bool* value) {
-  std::uint8_t octet = 0;
-  std::memcpy(&octet, value, sizeof octet);
-  if (octet <= 1) {
+  std::uint8_t byte = 0;
+  std::memcpy(&byte, value, sizeof byte);
+  if (byte <= 1) {
     return false;
   }
-  octet &= 1U;
-  std::memcpy(value, &octet, sizeof octet);
+  byte &= 1U;
+  std::memcpy(value, &byte, sizeof byte);
   return true;
 }
 

@@ -5,8 +5,8 @@
 #include <array>
 #include <cstdint>
 
-#include "base/fixed_vector.hpp"
 #include "base/earlier_times.hpp"
+#include "base/fixed_vector.hpp"
 #include "bus/capacities.hpp"
 #include "bus/commands.hpp"
 #include "bus/counters.hpp"

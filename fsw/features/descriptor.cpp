@@ -95,7 +95,7 @@ void accumulate(const Gradients<kSide>& gradients,
   }
 }
 
-Descriptor to_octets(const Histogram& histogram) {
+Descriptor to_bytes(const Histogram& histogram) {
   constexpr std::size_t kCount = sizeof(Descriptor);
   std::array<float, kCount> value{};
   constexpr std::size_t kRow = kFields * kDirections;
@@ -143,7 +143,7 @@ Descriptor compute_descriptor(const Plane& level, const OrientedPlace& place) {
       accumulate<Lanes>(gradients, shares, first, &histogram);
     }
   });
-  return to_octets(histogram);
+  return to_bytes(histogram);
 }
 
 }  // namespace polhode::sift

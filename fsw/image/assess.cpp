@@ -191,8 +191,8 @@ void remember(const ImageQuality& q, History* frames) {
 }  // namespace
 
 FrameVerdict assess_quality(const ImageQuality& quality,
-                           const ImageOptions& options,
-                           QualityHistory* history) {
+                            const ImageOptions& options,
+                            QualityHistory* history) {
   // In order of precedence (decision 0002): a frozen dark frame is frozen, a torn bright one is
   // torn, and one that is at full scale all over is saturated, not flat.
   const std::array<std::pair<FrameFault, Finding>, kFrameFaults - 1> findings{

@@ -22,7 +22,7 @@ int impulses_in_row(const std::uint8_t* above,
                     int columns) {
   int count = 0;
   int column = 1;
-  constexpr int kTimesMax = 255;  // a lane's sum fits an octet
+  constexpr int kTimesMax = 255;  // a lane's sum fits a byte
   cv::v_uint8x16 counts = cv::v_setzero_u8();
   int times = 0;
   const cv::v_uint8x16 step = cv::v_setall_u8(kStep);
@@ -85,7 +85,7 @@ int difference(const std::uint8_t* a, const std::uint8_t* b, int columns) {
 
 /// A broken line differs from the rows on its two sides, which agree.
 bool broken_line(const cv::Mat& gray, int row) {
-  // Mean over the row. A thin strut or the sensor's noise has 2, random octets 64 or more. Chosen
+  // Mean over the row. A thin strut or the sensor's noise has 2, random bytes 64 or more. Chosen
   // between.
   constexpr double kLevelsMin = 8.0;
   // The two sides differ by less than a third of that. Chosen; larger misses lines across texture.
@@ -102,7 +102,7 @@ bool broken_line(const cv::Mat& gray, int row) {
                                                      kTimes * difference(above, below, gray.cols));
 }
 
-constexpr int kSide_px = 16;  // a vector of octets
+constexpr int kSide_px = 16;  // a vector of bytes
 
 /// Mean change from pixel to pixel, the lesser of those along and across rows.
 int roughness(const cv::Mat& gray, int row0, int column0) {
@@ -123,7 +123,7 @@ int roughness(const cv::Mat& gray, int row0, int column0) {
 /// Counts tiles that are rough and much rougher than the last good frame was nearby: the finest
 /// texture is nearly as rough, but not from one frame to the next.
 int count_rough_tiles(const cv::Mat& gray, QualityHistory* history) {
-  // Under the roughness of octets with one flipped bit in ten, 45. Random octets have 85: a third
+  // Under the roughness of bytes with one flipped bit in ten, 45. Random bytes have 85: a third
   // of their range, 256.
   constexpr int kRough = 40;
   // Chosen; larger misses errors in rough texture, smaller counts texture that comes into view.

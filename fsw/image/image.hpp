@@ -8,7 +8,7 @@
 namespace polhode {
 
 /// Copies the camera's frame into `gray` (CV_8UC1, allocated once). 16-bit pixels keep their upper
-/// octet.
+/// byte.
 void import_frame(const ImageView& frame, cv::Mat* gray);
 
 }  // namespace polhode

@@ -28,13 +28,13 @@ struct BitErrorTraces {
   double pixels = 0.0;            ///< of the image
   double impulse_fraction = 0.0;  ///< outlier pixels: they differ from eight neighbours that agree
                                   ///< by more than any but the highest bit
-  int rough_tiles = 0;  ///< tiles of 16 x 16 px that change from pixel to pixel like random octets,
+  int rough_tiles = 0;  ///< tiles of 16 x 16 px that change from pixel to pixel like random bytes,
                         ///< where the last good frame had nothing like it nearby
   int lines = 0;        ///< rows that differ from both neighbours, which agree, and did not in the
                         ///< frames before: a crosshair stays where it is
 };
 
-/// Rows that are the previous frame's, octet for octet. A row in which fewer than 32 pixels differ
+/// Rows that are the previous frame's, byte for byte. A row in which fewer than 32 pixels differ
 /// from the first is blank and not counted. Blank rows count as repeated where they had another
 /// level in the last good frame, if an eighth of the image is like that and not all of it. So the
 /// rest of a white or a black frame is recognised in the next one.
@@ -102,8 +102,8 @@ void clear(QualityHistory* history);
 /// most of the last frames) is a property of the scene or the camera. Such a frame is a degraded
 /// frame, pose only, and becomes part of the history. Dark, flat and frozen frames are never used.
 FrameVerdict assess_quality(const ImageQuality& quality,
-                           const ImageOptions& options,
-                           QualityHistory* history);
+                            const ImageOptions& options,
+                            QualityHistory* history);
 
 /// Measures, judges, remembers.
 FrameVerdict assess(const cv::Mat& gray, const ImageOptions& options, QualityHistory* history);

@@ -61,8 +61,8 @@ std::optional<Spot> find_again(const Crop& crop,
 
 /// The observation, moved to where the middle view is found; as it is where that says less.
 std::optional<InitialObservation> aligned(const Alignment& a,
-                                        const InitialObservation& detected,
-                                        const PatchTemplate& patch) {
+                                          const InitialObservation& detected,
+                                          const PatchTemplate& patch) {
   const auto frame = static_cast<std::size_t>(detected.frame);
   const CameraModel& camera = a.images.camera;
   const Eigen::Vector2d place_px = a.places[a.track].px[frame].cast<double>();
@@ -99,8 +99,8 @@ bool is_taken(const Alignment& a, std::size_t frame, const Spot& spot, Alignment
 
 /// The track in a frame that missed it.
 std::optional<InitialObservation> followed(const Alignment& a,
-                                         std::size_t frame,
-                                         AlignmentWorkspace* w) {
+                                           std::size_t frame,
+                                           AlignmentWorkspace* w) {
   const CameraModel& camera = a.images.camera;
   const std::size_t away = frame > a.middle ? frame - a.middle : a.middle - frame;
   if (away > kFollowMax) {
@@ -115,15 +115,15 @@ std::optional<InitialObservation> followed(const Alignment& a,
     return std::nullopt;
   }
   return InitialObservation{.frame = static_cast<int>(frame),
-                          .normalised = undistort(camera, spot->px) + a.row_shift,
-                          .sigma_normalised = to_normalised(spot->sigma_px, camera)};
+                            .normalised = undistort(camera, spot->px) + a.row_shift,
+                            .sigma_normalised = to_normalised(spot->sigma_px, camera)};
 }
 
 /// The track in one frame, or nothing.
 std::optional<InitialObservation> observe(const Alignment& a,
-                                        const InitialTrack& track,
-                                        std::size_t frame,
-                                        AlignmentWorkspace* w) {
+                                          const InitialTrack& track,
+                                          std::size_t frame,
+                                          AlignmentWorkspace* w) {
   const InitialObservation* const detected = find_frame(track, static_cast<int>(frame));
   const Crop* const crop = a.images.crop(frame);
   if (crop == nullptr || crop->reduction != a.images.crop(a.middle)->reduction) {
@@ -151,9 +151,8 @@ void align_track(const InitialImages& images,
   a.row_shift = middle.normalised - undistort(images.camera, place_px);
   a.neighbours = nearest_tracks(a.places, t, a.middle);
   // It shows the spot that it defines.
-  middle.sigma_normalised =
-      std::min(middle.sigma_normalised,
-               to_normalised(reference->reduction * kViewSigma_px, images.camera));
+  middle.sigma_normalised = std::min(
+      middle.sigma_normalised, to_normalised(reference->reduction * kViewSigma_px, images.camera));
   std::array<std::optional<InitialObservation>, limits::kInitialFrames> found;
   found[a.middle] = middle;
   int missed = 0;

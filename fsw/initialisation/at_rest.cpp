@@ -24,8 +24,8 @@ std::size_t middle_of(const InitialHypothesis& h) {
 
 /// All attitudes follow from the one in the middle of the hypothesis' frames by a steady rate.
 void fix_attitude(const InitialProblem& problem,
-                   const Eigen::Vector3d& rate_I_rad_s,
-                   InitialHypothesis* h) {
+                  const Eigen::Vector3d& rate_I_rad_s,
+                  InitialHypothesis* h) {
   const std::size_t middle = middle_of(*h);
   const Eigen::Matrix3d R_IT = attitude_of_camera(problem, middle) * h->poses[middle].R_CT;
   for (std::size_t f = 0; f < h->frames; ++f) {
@@ -119,7 +119,7 @@ double compare_at_rest(Selection* c) {
   const double of_unknown = std::log(2.0 * static_cast<double>(winner.fit.observations));
   const double noise = std::max(1.0, winner.fit.noise_scale);
   const double margin = kRotation * (winner.fit.frames - 1) * of_unknown -
-                          (at_rest.fit.cost - winner.fit.cost) / (noise * noise);
+                        (at_rest.fit.cost - winner.fit.cost) / (noise * noise);
   if (!(margin > 0.0)) {
     return margin;
   }

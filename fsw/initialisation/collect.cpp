@@ -21,9 +21,9 @@ struct ImageChange {
 };
 
 ImageChange change_since(const CollectedFrame& before,
-                           const Features& now,
-                           double ratio_max,
-                           FeatureMatches* matches) {
+                         const Features& now,
+                         double ratio_max,
+                         FeatureMatches* matches) {
   match_mutual(before.features.view(), now.view(), ratio_max, matches);
   ImageChange change;
   change.matches = static_cast<int>(matches->size());

@@ -6,8 +6,8 @@
 
 #include "features/detect.hpp"
 #include "geometry/camera_model.hpp"
-#include "initialisation/options.hpp"
 #include "initialisation/initialisation_job.hpp"
+#include "initialisation/options.hpp"
 #include "tracks/track_table.hpp"
 
 namespace polhode {

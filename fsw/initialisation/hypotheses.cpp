@@ -11,8 +11,8 @@
 #include "solve/affine_factorisation.hpp"
 #include "solve/constant_rate_grid.hpp"
 #include "solve/homography.hpp"
-#include "solve/relative_pose.hpp"
 #include "solve/initial_adjustment.hpp"
+#include "solve/relative_pose.hpp"
 
 namespace polhode {
 namespace {

@@ -28,22 +28,25 @@ double margin_needed(double convexity, const InitialisationOptions& options) {
          (is_hollow ? options.chi2_gap_commit - options.chi2_gap_convexity : 0.0);
 }
 
-InitialDecision decide(const InitialOutcome& out, const InitialisationOptions& options, double noise_scale) {
+InitialDecision decide(const InitialOutcome& out,
+                       const InitialisationOptions& options,
+                       double noise_scale) {
   if (out.inlier_ratio < kInlierRatioMin || noise_scale > kNoiseScaleMax) {
     return InitialDecision::kNoHypothesis;
   }
   if (!(out.selection_depth_sigma < kDepthSigmaMax)) {
     return InitialDecision::kTooLittleMotion;
   }
-  return out.chi2_margin >= margin_needed(out.convexity, options) ? InitialDecision::kCommit
-                                                               : InitialDecision::kMarginTooSmall;
+  return out.chi2_margin >= margin_needed(out.convexity, options)
+             ? InitialDecision::kCommit
+             : InitialDecision::kMarginTooSmall;
 }
 
 }  // namespace
 
 InitialOutcome select_hypothesis(const InitialProblem& problem,
-                               const InitialisationOptions& options,
-                               InitialWorkspace& workspace) {
+                                 const InitialisationOptions& options,
+                                 InitialWorkspace& workspace) {
   InitialOutcome out;
   if (!choose_selection_set(problem, &workspace.set)) {
     return out;

@@ -38,7 +38,7 @@ inline const InitialObservation* find_frame(const InitialTrack& track, int frame
 struct InitialProblem {
   std::span<const double> times_s;  ///< of F <= kInitialFrames frames, ascending
   std::span<const Eigen::Matrix3d> R_IC =
-      {};                              ///< the observer's attitudes; empty: it does not rotate
+      {};                                ///< the observer's attitudes; empty: it does not rotate
   std::span<const InitialTrack> tracks;  ///< at most kInitialTracks
   std::uint64_t seed = 0;
   std::uint32_t kinds = kAllKinds;  ///< kinds of hypotheses that are made
@@ -71,8 +71,8 @@ struct InitialOutcome {
   InitialDecision decision = InitialDecision::kTooFewTracks;
   HypothesisKind winner = HypothesisKind::kFivePoint;
   bool winner_reversed = false;  ///< the winner is the depth-reversed solution of its seed
-  double chi2_margin = 0.0;  ///< cost margin to the best rival of different geometry, noise re-scaled
-                          ///< where chi2 exceeds 1
+  double chi2_margin = 0.0;      ///< cost margin to the best rival of different geometry, noise
+                             ///< re-scaled where chi2 exceeds 1
   double reduced_chi2 = 0.0;  ///< robust
   double rotation_rad = 0.0;  ///< largest rotation from the first posed frame
   double depth_sigma =

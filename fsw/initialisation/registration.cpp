@@ -144,9 +144,9 @@ std::optional<double> compose(const Parameters& fit, Motion* motion) {
 }
 
 Registration accepted_registration(const PatchTemplate& patch,
-                   const Levels& levels,
-                   const Parameters& fit,
-                   const Eigen::Vector2d& place) {
+                                   const Levels& levels,
+                                   const Parameters& fit,
+                                   const Eigen::Vector2d& place) {
   double weights = 0.0;
   double mean = 0.0;
   double rest2 = 0.0;

@@ -65,9 +65,9 @@ bool refine(const Selection& c,
             InitialHypothesis* h) {
   const InitialGeometryView view = h->view();
   InitialAdjustmentOptions options{.loss = InitialLoss::kCauchy,
-                                 .width_sigma = kNarrow_sigmas,
-                                 .sigma_scale = c.sigma_scale,
-                                 .rotations_fixed = c.rotations_fixed};
+                                   .width_sigma = kNarrow_sigmas,
+                                   .sigma_scale = c.sigma_scale,
+                                   .rotations_fixed = c.rotations_fixed};
   const InitialFit before = evaluate_initial(observations, view, options, &c.w.adjustment);
   options.iterations_max = iterations.wide;
   options.width_sigma =

@@ -26,8 +26,8 @@ struct MapDrift {
       0;  ///< number of the first keyframe after the re-anchoring; 0: there is nothing to close
   Eigen::Matrix3d R_first_CT =
       Eigen::Matrix3d::Identity();  ///< attitude of the start's first frame
-  double initial_turn_sigma = 0.0;    ///< of the start's turn, as a part of it
-  double initial_sigma_mu = 0.0;      ///< of its depths
+  double initial_turn_sigma = 0.0;  ///< of the start's turn, as a part of it
+  double initial_sigma_mu = 0.0;    ///< of its depths
   double initial_turn_rad = 0.0;
   double turn_rad = 0.0;  ///< largest turn from R_first_CT so far
 };

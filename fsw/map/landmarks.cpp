@@ -360,8 +360,8 @@ int extend_landmarks(std::int32_t first_number, const CameraModel& camera, Map* 
       if (seen[landmark.index()] || !of_same_stretch(map->landmarks[landmark.index()], keyframe)) {
         continue;
       }
-      const std::int32_t feature =
-          with_avx2([&] { return find_in(map->landmarks[landmark.index()], keyframe, grid, camera); });
+      const std::int32_t feature = with_avx2(
+          [&] { return find_in(map->landmarks[landmark.index()], keyframe, grid, camera); });
       if (feature >= 0) {
         add_observation(id, static_cast<std::size_t>(feature), landmark, map);
         ++associated;

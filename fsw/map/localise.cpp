@@ -162,7 +162,8 @@ bool drop_old_aspect_that_disagrees(const Map& map, LandmarkMatches* matches) {
   }
   const double part_min =
       std::max(2.0 * kChance, young.matches < kYoungMin ? 4.0 * kChance : 0.5 * young.part());
-  if (old_aspect.matches == 0 || (old_aspect.inliers >= kInliersMin && old_aspect.part() >= part_min)) {
+  if (old_aspect.matches == 0 ||
+      (old_aspect.inliers >= kInliersMin && old_aspect.part() >= part_min)) {
     return false;
   }
   matches->resize(static_cast<std::size_t>(

@@ -61,12 +61,12 @@ struct MapScratch {
 struct MapState {
   Map map;
   MapDrift drift;
-  std::uint32_t target_frame = 0;  ///< number of the frame T that the map is in
-  FlowReference reference;         ///< what optical flow follows
-  Pyramid pyramid;                 ///< of this frame, once it is followed
-  LocalisedFrame localised;        ///< this frame's pose and matches
-  bool pose_valid = false;         ///< this frame has a pose
-  bool pose_updates_motion = true;        ///< not mostly what the motion expects, nor the last one again
+  std::uint32_t target_frame = 0;   ///< number of the frame T that the map is in
+  FlowReference reference;          ///< what optical flow follows
+  Pyramid pyramid;                  ///< of this frame, once it is followed
+  LocalisedFrame localised;         ///< this frame's pose and matches
+  bool pose_valid = false;          ///< this frame has a pose
+  bool pose_updates_motion = true;  ///< not mostly what the motion expects, nor the last one again
   PoseCovariance inconsistency =
       PoseCovariance::Zero();  ///< of a pose that departs from the motion, or repeats: by how much
   PosesBefore before;

@@ -134,10 +134,11 @@ Repair repair(const CameraModel& camera, std::int64_t now_ns, Map* map) {
     if (map->keyframe_count >= kKeyframesMin && map->landmark_count >= kLandmarksMin) {
       refresh_landmarks(map, camera);
     }
-    repaired.entries = std::max(repaired.entries, 1U);  // the extent, where nothing else was damaged
+    repaired.entries =
+        std::max(repaired.entries, 1U);  // the extent, where nothing else was damaged
   }
   repaired.reset = !counted || map->keyframe_count < kKeyframesMin ||
-                 map->landmark_count < kLandmarksMin || !is_valid(*map, camera, now_ns);
+                   map->landmark_count < kLandmarksMin || !is_valid(*map, camera, now_ns);
   if (repaired.reset) {
     clear(map);
     map->next_landmark_number = std::max(map->next_landmark_number, 0);

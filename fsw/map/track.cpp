@@ -24,8 +24,8 @@ Vector6 difference(const Pose& to, const Pose& from) {
 
 constexpr double kDepthError = 0.05;  // of a map's depths: some percent
 
-/// Fewer poses than that have checked the motion. @param initialisation_checks  the initialisation's poses
-/// among them.
+/// Fewer poses than that have checked the motion. @param initialisation_checks  the
+/// initialisation's poses among them.
 bool is_young(const ExpectedPose& expected, bool initialisation_checks) {
   return expected.prediction.rotation_poses < kPosesTried ||
          (!initialisation_checks && expected.poses_since_start < kPosesTried);
@@ -192,7 +192,10 @@ bool find_about_inconsistent(const MapInput& input, const ExpectedPose& expected
   return find_about(input, expected, s) && !is_thin(s->localised, *s);
 }
 
-bool overrule_motion(const MapInput& input, const ExpectedPose& expected, bool found_with_prior, MapState* s) {
+bool overrule_motion(const MapInput& input,
+                     const ExpectedPose& expected,
+                     bool found_with_prior,
+                     MapState* s) {
   const LocalisedFrame& best = s->scratch.other;
   if (best.absolute.inliers < kInliersAlone || is_thin(best, *s) || !tried_prior(expected) ||
       !within_reach(expected, best.absolute, s->moved_rad) ||
@@ -230,8 +233,9 @@ bool recognise_frame(const MapInput& input, MapState* s) {
   };
   const bool goes_on = last.frames > 0 && input.frame - last.frame <= kGapMax;
   const bool found_again = agreed(recognise(localise, &s->scratch.localise, &s->localised));
-  if (!found_again && !(goes_on && agreed(localise_roughly(
-                                localise, last.pose, &s->scratch.localise, &s->localised)))) {
+  if (!found_again &&
+      !(goes_on &&
+        agreed(localise_roughly(localise, last.pose, &s->scratch.localise, &s->localised)))) {
     return false;
   }
   const bool same = goes_on && is_same_side(s->localised.absolute.pose, last.pose);

@@ -74,8 +74,8 @@ bool is_ambiguous(const MapInput& input,
 /// been checked: there the bound is what Euler's equation allows (the rate changes by at most |w|^2
 /// a second, a step of a radians by a^2) and a degree. A map that has just been moved under its
 /// poses leaves the prediction off by as much.
-/// @param initialisation_checks  an initialisation's poses count as a check. Where its map is sheared all of
-/// them are off together, and refuse the first right one.
+/// @param initialisation_checks  an initialisation's poses count as a check. Where its map is
+/// sheared all of them are off together, and refuse the first right one.
 bool plausible(const ExpectedPose& expected, bool initialisation_checks, const MapState& state);
 
 /// An aspect has come back, and its old landmarks carry the pose: then the drift of the young ones,

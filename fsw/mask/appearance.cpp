@@ -49,7 +49,7 @@ void find_appearances(const cv::Mat& image, AppearanceScratch* s) {
   cv::subtract(range, s->other, range);
   s->appearances.create(image.size(), CV_8UC1);
   with_avx2([&] {
-    const int columns = image.cols;  // a copy: written octets might alias the original
+    const int columns = image.cols;  // a copy: written bytes might alias the original
     for (int row = 0; row < image.rows; ++row) {
       const auto* level = image.ptr<std::uint8_t>(row);
       const auto* rough = range.ptr<std::uint8_t>(row);

@@ -181,9 +181,9 @@ cv::Rect region_of_interest(const MaskState& s) {
 /// Stores an image and compares it with the ones before. @return whether a background's motion was
 /// found.
 bool compare_images(const cv::Mat& gray,
-                      const cv::Mat& reduced,
-                      const MaskPrior& prior,
-                      MaskState* s) {
+                    const cv::Mat& reduced,
+                    const MaskPrior& prior,
+                    MaskState* s) {
   const bool first = add_image(gray, reduced, &s->points);
   if (first) {
     clear(&s->background);

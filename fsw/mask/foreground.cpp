@@ -21,9 +21,9 @@ constexpr int kDifferenceWindow_px = 5;
 // A place that disagrees by more counts as this. Chosen: one pixel at the limit counts 8 / 25 in
 // its window, as much as kTargetLogOdds; larger lets single pixels decide.
 constexpr double kCapSigma = 8;
-// Levels; the most that keeps differences in an octet, see below.
+// Levels; the most that keeps differences in a byte, see below.
 constexpr double kNoiseMost = 8;
-// Differences are stored in octets with 0 in their middle.
+// Differences are stored in bytes with 0 in their middle.
 constexpr int kNoDifference = 128;
 static_assert(kCapSigma * kNoiseMost < kNoDifference);
 
@@ -116,7 +116,7 @@ void spread_motion(const PointsState& points, std::size_t age, ForegroundState* 
   }
 }
 
-/// The lowest and (in the high octet) the highest level of each pixel of an earlier image and its
+/// The lowest and (in the high byte) the highest level of each pixel of an earlier image and its
 /// four neighbours: origins are whole pixels, half a pixel off at most. With the diagonal
 /// neighbours outlines in a room overlap by 0.01 less, and twice as many landmarks are on the
 /// background (decision 0012).
@@ -143,7 +143,7 @@ void measure_excess(const cv::Mat& now, double cap, ForegroundState* s) {
   look_up(s->bounds, s->origins, &s->warped);
   s->excess.create(now.size(), CV_8UC1);
   with_avx2([&] {
-    const int columns = now.cols;  // a copy: written octets might alias the original
+    const int columns = now.cols;  // a copy: written bytes might alias the original
     const auto most = static_cast<std::int16_t>(cap);
     for (int row = 0; row < now.rows; ++row) {
       const auto* levels = now.ptr<std::uint8_t>(row);
@@ -202,9 +202,9 @@ void compare_with_background(const PointsState& points,
     trace_plane(motion.layers[i], region, points.whole().size(), &s->origins);
     if (i == 0) {
       // Mean of two images: one with an untypical median counts half.
-      s->noise = 0.5 * s->noise +
-                 0.5 * measure_noise(
-                           points.image(0), points.image(motion.age), motion.layers[i], region);
+      s->noise =
+          0.5 * s->noise +
+          0.5 * measure_noise(points.image(0), points.image(motion.age), motion.layers[i], region);
     }
     measure_excess(now, std::round(kCapSigma * s->noise), s);
     find_visible(motion.layers[i], points.image(0).size(), region, &s->visible);

@@ -146,8 +146,7 @@ void add_corners(const cv::Rect& part, int columns, int rows, std::size_t most, 
     MaskTrack track;
     track.places[0] = cv::Point2f(where + tile.tl() + part.tl());
     track.count = 1;
-    if (best > kScoreMin && inside(track.now(), s->image(0).size()) &&
-        !is_near(track.now(), *s)) {
+    if (best > kScoreMin && inside(track.now(), s->image(0).size()) && !is_near(track.now(), *s)) {
       (void)s->tracks.push_back(track);
     }
   }

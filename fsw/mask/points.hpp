@@ -53,10 +53,10 @@ struct PointsState {
   // compares them by pairs.
   static constexpr std::size_t kTracks = 420;
 
-  int decimation = 1;                       ///< pixels of the image per working pixel
+  int decimation = 1;                   ///< pixels of the image per working pixel
   std::array<cv::Mat, kImages> images;  ///< ring
-  FlowPyramid pyramid;                      ///< of the newest image
-  FlowPyramid pyramid_before;               ///< of the one before it
+  FlowPyramid pyramid;                  ///< of the newest image
+  FlowPyramid pyramid_before;           ///< of the one before it
   std::size_t newest = 0;
   std::size_t stored = 0;
   std::size_t turn = 0;  ///< where points are added next: the image's bands, the target in between

@@ -32,7 +32,8 @@ Repair repair(std::int64_t now_ns, MotionEstimate* motion) {
   if (is_valid(*motion, now_ns)) {
     return {};
   }
-  Repair repaired{.entries = drop_poses(now_ns, &motion->recent) + drop_poses(now_ns, &motion->past)};
+  Repair repaired{.entries =
+                      drop_poses(now_ns, &motion->recent) + drop_poses(now_ns, &motion->past)};
   if (repaired.entries > 0) {
     pass_over_pose(motion);  // which of them had departed is not known any more
   }

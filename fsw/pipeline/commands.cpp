@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "base/crc.hpp"
-#include "base/validity.hpp"
 #include "base/earlier_times.hpp"
+#include "base/validity.hpp"
 #include "bus/commands.hpp"
 #include "bus/dynamics_telemetry.hpp"
 #include "motion/disturbance.hpp"

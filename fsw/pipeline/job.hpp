@@ -21,8 +21,8 @@
 namespace polhode {
 
 /// What is to be done; nothing while the job is not out.
-using JobWork =
-    std::variant<std::monostate, InitialisationJob*, AdjustmentJob*, FitJob*, ShapeJob*, CameraJob*>;
+using JobWork = std::
+    variant<std::monostate, InitialisationJob*, AdjustmentJob*, FitJob*, ShapeJob*, CameraJob*>;
 
 struct Job {
   JobWork work;

@@ -4,8 +4,8 @@
 
 #include "geometry/so3.hpp"
 #include "map/grow.hpp"
-#include "map/validity.hpp"
 #include "map/update.hpp"
+#include "map/validity.hpp"
 #include "motion/disturbance.hpp"
 #include "pipeline/adjustment.hpp"
 #include "pipeline/state.hpp"

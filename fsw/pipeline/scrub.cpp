@@ -16,10 +16,10 @@ namespace {
 
 void tell(std::string_view table, const Repair& repaired, Component::State* s) {
   ++s->bus.tables_damaged;
-  bus::report(
-      bus::EventId::kTableDamaged,
-      {.values = {static_cast<double>(repaired.entries), repaired.reset ? 1.0 : 0.0}, .word = table},
-      &s->bus.events);
+  bus::report(bus::EventId::kTableDamaged,
+              {.values = {static_cast<double>(repaired.entries), repaired.reset ? 1.0 : 0.0},
+               .word = table},
+              &s->bus.events);
 }
 
 void scrub_configuration(Component::State* s) {

@@ -39,7 +39,7 @@ inline constexpr double kInlierChi2 = 16.0;
 
 /// Consensus of P3P hypotheses, then three rounds of choosing inliers and a robust fit (Cauchy) to
 /// them.
-/// @param inlier  out, one octet per observation.
+/// @param inlier  out, one byte per observation.
 /// @param hint    tried as the first hypothesis when given.
 /// @errors TooFewObservations, NoConsensus.
 /// @source P3P: Kneip, Scaramuzza, Siegwart, CVPR 2011, via OpenGV.
@@ -62,7 +62,7 @@ Result<AbsolutePose> refine_pose(std::span<const PoseObservation> observations,
 /// The most likely pose where the observations alone may be too few: three rounds of choosing those
 /// that agree, within the prior's own reach at first, and a robust fit to them and the prior.
 /// @param prior       expected, with `prior_covariance` of (phi, dp).
-/// @param inlier      out, one octet per observation.
+/// @param inlier      out, one byte per observation.
 /// @return covariance: of the observations, the prior counting a tenth so that it stays finite. A
 /// motion that is estimated from the result does not learn its own prediction.
 /// @errors TooFewObservations (fewer agree than options.inliers_min), Degenerate.

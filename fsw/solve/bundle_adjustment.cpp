@@ -33,7 +33,7 @@ bool fits(const BundleProblem& problem) {
 }
 
 /// A problem in Ceres's terms. It is built in the order of the poses, points and observations, so
-/// that the same problem gives the same octets.
+/// that the same problem gives the same bytes.
 class CeresBundle {
  public:
   CeresBundle(const BundleProblem& problem, double cauchy_sigma)

@@ -61,7 +61,7 @@ struct CameraFit {
 /// Adjusts copies of poses and points together with all deviations, by Ceres. The undistorted image
 /// counts as a pinhole's. Priors of poses are left out. A map that was made with the stated camera
 /// holds the result back: it then lies between the two.
-/// The heap is within adjustment_octets_max, as the bundle's is.
+/// The heap is within adjustment_bytes_max, as the bundle's is.
 /// @param options  observations_max bounds the work
 CameraFit adjust_camera(const CameraProblem& problem, const BundleOptions& options);
 

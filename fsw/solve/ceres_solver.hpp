@@ -12,7 +12,7 @@ namespace polhode {
 /// @param callback  asked to prepare each evaluation.
 ceres::Problem::Options problem_options(ceres::EvaluationCallback* callback);
 
-/// One thread, no limit of time, no messages: the same problem gives the same octets.
+/// One thread, no limit of time, no messages: the same problem gives the same bytes.
 ceres::Solver::Options solver_options(int iterations_max);
 
 BundleReport report_of(const ceres::Solver::Summary& summary);

@@ -8,8 +8,8 @@
 #include "base/assert.hpp"
 #include "base/avx2_dispatch.hpp"
 #include "geometry/so3.hpp"
-#include "solve/small_fit.hpp"
 #include "solve/initial_residuals.hpp"
+#include "solve/small_fit.hpp"
 
 namespace polhode {
 namespace {
@@ -270,9 +270,9 @@ bool reduced_camera_system(std::span<const TrackObservation> observations,
 }
 
 InitialFit adjust_initial(std::span<const TrackObservation> observations,
-                      const InitialGeometryView& geometry,
-                      const InitialAdjustmentOptions& options,
-                      Workspace* workspace) {
+                          const InitialGeometryView& geometry,
+                          const InitialAdjustmentOptions& options,
+                          Workspace* workspace) {
   POLHODE_ASSERT(observations.size() <= Workspace::kInitialObservations, observations.size());
   POLHODE_ASSERT(geometry.poses.size() <= limits::kInitialFrames, geometry.poses.size());
   POLHODE_ASSERT(geometry.points_T.size() <= limits::kInitialTracks, geometry.points_T.size());

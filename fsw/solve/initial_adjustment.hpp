@@ -16,9 +16,9 @@ namespace polhode {
 /// @cost  iterations_max linear systems of 6 per frame. Deterministic.
 /// @source Christy and Horaud, PAMI 1996 (parametrisation); Triggs et al., 2000 (elimination).
 InitialFit adjust_initial(std::span<const TrackObservation> observations,
-                      const InitialGeometryView& geometry,
-                      const InitialAdjustmentOptions& options,
-                      InitialAdjustmentWorkspace* workspace);
+                          const InitialGeometryView& geometry,
+                          const InitialAdjustmentOptions& options,
+                          InitialAdjustmentWorkspace* workspace);
 
 /// Pose of one frame from the known points, by at most `iterations_max` damped steps with Cauchy
 /// loss.
@@ -43,10 +43,10 @@ bool reduced_camera_system(std::span<const TrackObservation> observations,
 /// @param covariances  by track; zero where unknown.
 /// @return false when the images do not determine the geometry; nothing is written then.
 bool initial_point_covariances(std::span<const TrackObservation> observations,
-                             const InitialGeometryView& geometry,
-                             const InitialAdjustmentOptions& options,
-                             std::span<Eigen::Matrix3d> covariances,
-                             InitialAdjustmentWorkspace* workspace);
+                               const InitialGeometryView& geometry,
+                               const InitialAdjustmentOptions& options,
+                               std::span<Eigen::Matrix3d> covariances,
+                               InitialAdjustmentWorkspace* workspace);
 
 /// Same images, other gauge: T's axes parallel to the first known camera's, its origin in the
 /// median of the points, RMS extent 1 without the points beyond three median extents.

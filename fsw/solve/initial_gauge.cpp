@@ -194,10 +194,10 @@ Eigen::Matrix3d point_covariance(std::span<const TrackObservation> observations,
 }  // namespace
 
 bool initial_point_covariances(std::span<const TrackObservation> observations,
-                             const InitialGeometryView& geometry,
-                             const InitialAdjustmentOptions& options,
-                             std::span<Eigen::Matrix3d> covariances,
-                             Workspace* workspace) {
+                               const InitialGeometryView& geometry,
+                               const InitialAdjustmentOptions& options,
+                               std::span<Eigen::Matrix3d> covariances,
+                               Workspace* workspace) {
   POLHODE_ASSERT(covariances.size() == geometry.points_T.size(), covariances.size());
   if (count_known(geometry.known) < kPointsMin ||
       !reduced_camera_system(observations, geometry, options, workspace)) {

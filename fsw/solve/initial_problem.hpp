@@ -42,10 +42,10 @@ enum class InitialLoss {
 struct InitialAdjustmentOptions {
   int iterations_max = 20;  ///< a bound: it ends when a step gains less than `settled`
   InitialLoss loss = InitialLoss::kTruncated;
-  double width_sigma = 4.0;     ///< 3e-4 of normal residuals of two coordinates lie beyond
-  double sigma_scale = 1.0;     ///< every sigma is multiplied by this
+  double width_sigma = 4.0;      ///< 3e-4 of normal residuals of two coordinates lie beyond
+  double sigma_scale = 1.0;      ///< every sigma is multiplied by this
   bool rotations_fixed = false;  ///< attitudes stay, translations and points move
-  double settled = 1e-3;        ///< stops when a step gains less chi-square: a 30th of a sigma
+  double settled = 1e-3;         ///< stops when a step gains less chi-square: a 30th of a sigma
 };
 
 /// Residuals in units of the scaled sigma. Observations in unknown frames or tracks count as
@@ -56,8 +56,8 @@ struct InitialFit {
   double chi2 = 0.0;  ///< of the inliers
   int inliers = 0;    ///< observations within width_sigma, in tracks that fit as a whole
   int observations = 0;
-  int redundant = 0;   ///< observations beyond the first two of their tracks
-  int agreeing = 0;  ///< of these, within width_sigma
+  int redundant = 0;  ///< observations beyond the first two of their tracks
+  int agreeing = 0;   ///< of these, within width_sigma
   int frames = 0;
   int points = 0;            ///< with two inliers or more
   double median = 0.0;       ///< squared residual of the observations that are used
@@ -67,7 +67,8 @@ struct InitialFit {
 
 /// Linearised system, kept by the caller because of its size.
 struct InitialAdjustmentWorkspace {
-  static constexpr std::size_t kInitialObservations = 12000;  // 1500 tracks in 8 frames, or 375 in 32
+  static constexpr std::size_t kInitialObservations =
+      12000;  // 1500 tracks in 8 frames, or 375 in 32
   static constexpr int kCameraParameters =
       6 * static_cast<int>(limits::kInitialFrames);  // (phi, uvs)
 

@@ -109,9 +109,9 @@ double total_cost(std::span<const TrackObservation> observations,
 }
 
 InitialFit evaluate_initial(std::span<const TrackObservation> observations,
-                        const InitialGeometryView& geometry,
-                        const InitialAdjustmentOptions& options,
-                        InitialAdjustmentWorkspace* workspace) {
+                            const InitialGeometryView& geometry,
+                            const InitialAdjustmentOptions& options,
+                            InitialAdjustmentWorkspace* workspace) {
   POLHODE_ASSERT(observations.size() <= InitialAdjustmentWorkspace::kInitialObservations,
                  observations.size());
   InitialFit fit;
@@ -157,9 +157,9 @@ InitialFit evaluate_initial(std::span<const TrackObservation> observations,
 }
 
 void initial_track_costs(std::span<const TrackObservation> observations,
-                       const InitialGeometryView& geometry,
-                       const InitialAdjustmentOptions& options,
-                       std::span<double> costs) {
+                         const InitialGeometryView& geometry,
+                         const InitialAdjustmentOptions& options,
+                         std::span<double> costs) {
   POLHODE_ASSERT(costs.size() == geometry.points_T.size(), costs.size());
   std::fill(costs.begin(), costs.end(), 0.0);
   for (std::size_t begin = 0; begin < observations.size();) {

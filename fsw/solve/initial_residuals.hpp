@@ -58,14 +58,14 @@ double total_cost(std::span<const TrackObservation> observations,
 
 /// Statistics of a fit; changes nothing.
 InitialFit evaluate_initial(std::span<const TrackObservation> observations,
-                        const InitialGeometryView& geometry,
-                        const InitialAdjustmentOptions& options,
-                        InitialAdjustmentWorkspace* workspace);
+                            const InitialGeometryView& geometry,
+                            const InitialAdjustmentOptions& options,
+                            InitialAdjustmentWorkspace* workspace);
 
 /// Cost of each track, 0 for one without observations.
 void initial_track_costs(std::span<const TrackObservation> observations,
-                       const InitialGeometryView& geometry,
-                       const InitialAdjustmentOptions& options,
-                       std::span<double> costs);
+                         const InitialGeometryView& geometry,
+                         const InitialAdjustmentOptions& options,
+                         std::span<double> costs);
 
 }  // namespace polhode

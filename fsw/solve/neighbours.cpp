@@ -9,7 +9,7 @@
 namespace polhode {
 namespace {
 
-constexpr auto kColumns = static_cast<std::size_t>(kDescriptorOctets);
+constexpr auto kColumns = static_cast<std::size_t>(kDescriptorBytes);
 
 /// Of constant length: vectorised.
 int distance2(const std::uint8_t* a, const std::uint8_t* b) {

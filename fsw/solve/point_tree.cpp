@@ -109,7 +109,7 @@ void search(std::span<const Eigen::Vector3d> points,
 }  // namespace
 
 PointTree::PointTree(std::span<const Eigen::Vector3d> points) : points_(points) {
-  static_assert(sizeof(Tree) <= kTreeOctets && alignof(Tree) <= 16);
+  static_assert(sizeof(Tree) <= kTreeBytes && alignof(Tree) <= 16);
   static_assert(sizeof(Eigen::Vector3d) == 3 * sizeof(double));
   POLHODE_ASSERT(points.size() <= limits::kCloudPoints, points.size());
   if (points.empty()) {

@@ -35,9 +35,9 @@ class PointTree {
   [[nodiscard]] double kth_distance2(std::size_t point, std::size_t k) const;
 
  private:
-  static constexpr std::size_t kTreeOctets = 512;  ///< at least a FLANN index's own size
+  static constexpr std::size_t kTreeBytes = 512;  ///< at least a FLANN index's own size
   std::span<const Eigen::Vector3d> points_;
-  alignas(16) std::byte tree_[kTreeOctets];
+  alignas(16) std::byte tree_[kTreeBytes];
 };
 
 }  // namespace polhode

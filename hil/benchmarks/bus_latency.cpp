@@ -278,10 +278,11 @@ bool measure_all(const std::string& folder, const Wish& request) {
   }
   const std::string scheduling =
       request.priority > 0 ? fmt::format("real-time priority {}, readers {}, memory locked",
-                                      request.priority,
-                                      request.priority + 1)
-                        : "ordinary priority";
-  const std::string cores = request.core < 0 ? "any core" : fmt::format("core {} for all", request.core);
+                                         request.priority,
+                                         request.priority + 1)
+                           : "ordinary priority";
+  const std::string cores =
+      request.core < 0 ? "any core" : fmt::format("core {} for all", request.core);
   fmt::print("{}, {}; {} programs beside it\n", scheduling, cores, request.load);
   fmt::print("{:<14} {:>8} {:>6} {:>29}   {:>29} {:>6}\n",
              "",

@@ -32,8 +32,8 @@ double unit_of(const SelectionSet& set, const Pose& first) {
 }
 
 InitialHypothesis true_geometry(const InitialProblem& problem,
-                              std::span<const Pose> true_poses,
-                              const SelectionSet& set) {
+                                std::span<const Pose> true_poses,
+                                const SelectionSet& set) {
   InitialHypothesis h;
   h.frames = problem.times_s.size();
   h.tracks = set.tracks.size();
@@ -107,7 +107,8 @@ Decidability decide_by_truth(const InitialProblem& problem,
   if (!normalise_gauge(reversed.view())) {
     return out;
   }
-  const double truth_cost = evaluate_initial(images, truth.view(), loss, &workspace->adjustment).cost;
+  const double truth_cost =
+      evaluate_initial(images, truth.view(), loss, &workspace->adjustment).cost;
   (void)refine_to_minimum(selection, images, &reversed);
   out.margin = reversed.fit.cost - truth_cost;
   out.known = true;

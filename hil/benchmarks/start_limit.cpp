@@ -69,8 +69,8 @@ std::optional<Row> judge(const std::map<std::int64_t, Pose>& truth,
       poses.push_back(at->second);
     }
     const InitialProblem problem{.times_s = std::span(job->times_s).first(job->frame_count),
-                               .tracks = std::span(job->tracks).first(job->track_count),
-                               .seed = job->seed};
+                                 .tracks = std::span(job->tracks).first(job->track_count),
+                                 .seed = job->seed};
     const Decidability found = decide_by_truth(problem, poses, &job->workspace);
     if (found.known && (!best || found.margin > best->found.margin)) {
       best = Row{.frames = job->frame_count, .found = found};

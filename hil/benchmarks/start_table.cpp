@@ -70,7 +70,8 @@ Cell run_cell(double alpha_deg,
     if (out.decision == InitialDecision::kCommit) {
       ++(right ? cell.commits_right : cell.commits_wrong);
       if (!right) {
-        const synthetic::InitialErrors e = synthetic::compare_start(out, trial.tracks, trial.motion);
+        const synthetic::InitialErrors e =
+            synthetic::compare_start(out, trial.tracks, trial.motion);
         std::printf(
             "  wrong commit: alpha %.1f turn %.0f seed %llu gap %.1f depth %.2f rotation %.2f "
             "sigma %.3f\n",

@@ -92,7 +92,7 @@ void Beginning::restore(Component& component) {
   watch_.emplace(last, crashes_);
   try {
     restore_last(component);
-    if (loaded_.octets.empty()) {
+    if (loaded_.bytes.empty()) {
       take_model(component);
     }
   } catch (...) {

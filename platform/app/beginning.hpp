@@ -35,7 +35,7 @@ class Beginning {
   [[nodiscard]] std::uint32_t restarts() const { return restarts_; }
   /// The file that the run begins from, or the state that a model gives; empty when it begins with
   /// neither.
-  [[nodiscard]] std::span<const std::uint8_t> octets() const { return loaded_.octets; }
+  [[nodiscard]] std::span<const std::uint8_t> bytes() const { return loaded_.bytes; }
   /// Its memory goes back; how it was stays known.
   void release_bytes() { loaded_ = {}; }
   /// From restore() on; nullptr: there are no checkpoints.

@@ -83,9 +83,9 @@ void check_memory(const CheckArguments& arguments,
                   const MachineNeeds& needs) {
   const MemoryPlan plan = plan_memory(configuration.parameters, needs);
   fmt::print("memory of the component: {} octets; in all: {} of {}\n",
-             plan.tables_octets,
-             plan.total_octets,
-             plan.limit_octets);
+             plan.tables_bytes,
+             plan.total_bytes,
+             plan.limit_bytes);
   if (arguments.memory) {
     fmt::print("\n{}", text_of(plan));
   }

@@ -57,7 +57,7 @@ bool write_checkpoint_file(const CheckpointPlaces& places,
 
 struct LoadedCheckpoint {
   std::unique_ptr<TableMemory> memory;    ///< of the content: goes with it, beside the pools
-  std::span<const std::uint8_t> octets;   ///< the file; empty when refused
+  std::span<const std::uint8_t> bytes;    ///< the file; empty when refused
   std::span<const std::uint8_t> content;  ///< of it the state; empty when refused
   std::uint32_t checksum = 0;             ///< tells it from others
   std::string refusal;                    ///< why; empty when it is good

@@ -33,8 +33,8 @@ std::vector<std::string> differing_keys(const Parameters& a, const Parameters& b
 
 /// A checkpoint brings its run's parameters, as commands have left them.
 void print_other_parameters(const std::string& named,
-                           const Parameters& configured,
-                           const Parameters& restored) {
+                            const Parameters& configured,
+                            const Parameters& restored) {
   const std::vector<std::string> keys = differing_keys(configured, restored);
   for (const std::string& key : keys) {
     if (key.starts_with("camera.")) {
@@ -44,8 +44,8 @@ void print_other_parameters(const std::string& named,
   }
   if (!keys.empty()) {
     print_stderr("polhode: {}: its parameters take the configuration's place: {}\n",
-         named,
-         fmt::join(keys, ", "));
+                 named,
+                 fmt::join(keys, ", "));
   }
 }
 

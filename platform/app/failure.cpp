@@ -28,7 +28,7 @@ void write_checkpoint(const Subject& subject) {
   subject.writer->write_now(*subject.component, moment_now());
 }
 
-void of_exhaustion(Pool /*pool*/, std::size_t /*octets*/) {
+void of_exhaustion(Pool /*pool*/, std::size_t /*bytes*/) {
   const Subject subject = g_subject;
   leave_crash_mark();
   write_checkpoint(subject);

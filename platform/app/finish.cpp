@@ -18,9 +18,9 @@
 #include "camera/replay/file_camera.hpp"
 #include "pipeline/ground_view.hpp"
 #include "pipeline/smooth.hpp"
+#include "print_stderr.hpp"
 #include "shape/hull.hpp"
 #include "shape/scale_state.hpp"
-#include "print_stderr.hpp"
 
 namespace polhode::platform {
 namespace {
@@ -132,11 +132,13 @@ void print_scale_that_was_not_read(const GroundView& view) {
     return;
   }
   if (o.known_length_m != 0.0) {
-    print_stderr("scale.known_length_m",
-         "its frame has no pose, its points are not on the target, or where they lie is in doubt");
+    print_stderr(
+        "scale.known_length_m",
+        "its frame has no pose, its points are not on the target, or where they lie is in doubt");
   }
   if (o.range_m != 0.0) {
-    print_stderr("scale.range_m", "its frame has no pose, or the boresight does not meet the target");
+    print_stderr("scale.range_m",
+                 "its frame has no pose, or the boresight does not meet the target");
   }
   if (o.known_diameter_m != 0.0) {
     print_stderr("scale.known_diameter_m", "no round body was found");

@@ -20,11 +20,11 @@ V4l2Options device_options(const DeviceOptions& device, const CameraParameters& 
   constexpr std::int64_t kMicrosecond_ns = 1000;
   const PixelPacking* packing = find_packing(device.pixel_format);
   return {.request = {.path = device.source,
-                   .format = {.width_px = camera.width_px,
-                              .height_px = camera.height_px,
-                              .fourcc = packing == nullptr ? 0 : packing->fourcc},
-                   .rate_hz = device.rate_hz,
-                   .buffers = device.buffers},
+                      .format = {.width_px = camera.width_px,
+                                 .height_px = camera.height_px,
+                                 .fourcc = packing == nullptr ? 0 : packing->fourcc},
+                      .rate_hz = device.rate_hz,
+                      .buffers = device.buffers},
           .exposure_ns = device.exposure_us * kMicrosecond_ns,
           .gain = device.gain,
           .readout_ns = device.readout_us * kMicrosecond_ns,
@@ -92,12 +92,12 @@ void ChosenCamera::open_device(const CameraParameters& parameters) {
   if (camera->open() == OpenResult::kStreaming) {
     const OfferedFormat& format = camera->stream().format();
     report_line("camera: %s, %s %dx%d, %.4g Hz, %zu buffers",
-        device_.source.c_str(),
-        fourcc_text(format.fourcc).c_str(),
-        format.width_px,
-        format.height_px,
-        camera->stream().rate_hz(),
-        camera->stream().buffers());
+                device_.source.c_str(),
+                fourcc_text(format.fourcc).c_str(),
+                format.width_px,
+                format.height_px,
+                camera->stream().rate_hz(),
+                camera->stream().buffers());
   }
   camera_ = std::move(camera);
 }

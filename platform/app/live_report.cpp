@@ -28,11 +28,11 @@ void report_line(const char* format, ...) {
   va_start(arguments, format);
   const int length = std::vsnprintf(line.data(), line.size() - 1, format, arguments);
   va_end(arguments);
-  const auto octets =
+  const auto bytes =
       static_cast<std::size_t>(std::clamp(length, 0, static_cast<int>(line.size()) - 2));
-  line[octets] = '\n';
+  line[bytes] = '\n';
   // One call: lines of several threads do not mix. Nothing can be done about a closed stderr.
-  [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, line.data(), octets + 1);
+  [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, line.data(), bytes + 1);
 }
 
 std::uint32_t frames_passed_over(const CameraCounters& camera, const LiveCounts& counts) {
@@ -53,14 +53,14 @@ void LiveReport::passed(const LiveCamera& camera, const LiveCounts& counts, std:
     reported_state_.fill('\0');
     std::copy(state_begins.begin(), state_begins.end(), reported_state_.begin());
     report_line("camera: %.*s (opened %u, gone %u, failed %u, busy %u; damaged %u, missing %u)",
-        static_cast<int>(state.size()),
-        state.data(),
-        c.opened,
-        c.disconnects,
-        c.stream_errors,
-        c.busy,
-        c.frames_damaged,
-        c.frames_missing);
+                static_cast<int>(state.size()),
+                state.data(),
+                c.opened,
+                c.disconnects,
+                c.stream_errors,
+                c.busy,
+                c.frames_damaged,
+                c.frames_missing);
   }
   if (now_ns >= due_ns_) {
     due_ns_ = now_ns + period_ns_;
@@ -74,7 +74,8 @@ bool LiveReport::written(const WriteFailures& failures, std::int64_t now_ns) {
   }
   failures_due_ns_ = now_ns + kReportSecond_ns;
   reported_failures_ = failures;
-  report_line("disk: not written since the start: packets of %llu steps, %llu checkpoints, %llu records, "
+  report_line(
+      "disk: not written since the start: packets of %llu steps, %llu checkpoints, %llu records, "
       "%llu packets of files",
       static_cast<unsigned long long>(failures.packets),
       static_cast<unsigned long long>(failures.checkpoints),

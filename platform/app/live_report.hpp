@@ -35,7 +35,7 @@ class LiveReport {
   std::int64_t due_ns_ = 0;
   CameraCounters reported_;
   std::array<char, 80> reported_state_{};  ///< its beginning, by which a new one is known
-  std::int64_t trouble_due_ns_ = 0;    ///< lines about trouble come no faster than this
+  std::int64_t trouble_due_ns_ = 0;        ///< lines about trouble come no faster than this
   WriteFailures reported_failures_;
   std::int64_t failures_due_ns_ = 0;
   MotionState last_;

@@ -20,7 +20,7 @@ MachineNeeds live_needs(const MachineOptions& machine,
                         const TransportOptions& options,
                         const CameraParameters& camera);
 
-/// Octets of a recorded image at most.
-std::size_t recorded_frame_octets(const CameraParameters& camera);
+/// Bytes of a recorded image at most.
+std::size_t recorded_frame_bytes(const CameraParameters& camera);
 
 }  // namespace polhode::platform

@@ -328,7 +328,8 @@ NamedCommand find_command(const CLI::App& app, int argc, char** argv) {
 
 void print_misuse(const NamedCommand& named, const char* problem) {
   if (named.unknown.empty()) {
-    polhode::platform::print_stderr("polhode: {} ({} --help shows the usage)\n", problem, named.path);
+    polhode::platform::print_stderr(
+        "polhode: {} ({} --help shows the usage)\n", problem, named.path);
   } else {
     polhode::platform::print_stderr(
         "{}: unknown command '{}'; allowed are {}\n",
@@ -379,7 +380,7 @@ int main(int argc, char** argv) {
     const int status = run(argc, argv);
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
       polhode::platform::print_stderr("polhode: standard output: {}\n",
-                              std::generic_category().message(errno));
+                                      std::generic_category().message(errno));
       return kRunFailed;
     }
     return status;

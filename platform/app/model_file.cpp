@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kMagic = "PLHMODEL";
 constexpr std::size_t kNumberOctets = 8;
-constexpr std::size_t kHeaderOctets = kMagic.size() + 2 * kNumberOctets;  // octets, CRC-32
+constexpr std::size_t kHeaderOctets = kMagic.size() + 2 * kNumberOctets;  // bytes, CRC-32
 
 void put_number(std::uint64_t number, std::uint8_t* out) {
   for (std::size_t i = 0; i < kNumberOctets; ++i) {
@@ -34,10 +34,10 @@ void put_number(std::uint64_t number, std::uint8_t* out) {
   }
 }
 
-std::uint64_t number_at(const std::uint8_t* octets) {
+std::uint64_t number_at(const std::uint8_t* bytes) {
   std::uint64_t number = 0;
   for (std::size_t i = 0; i < kNumberOctets; ++i) {
-    number |= std::uint64_t{octets[i]} << 8 * i;
+    number |= std::uint64_t{bytes[i]} << 8 * i;
   }
   return number;
 }
@@ -48,7 +48,7 @@ bool begins_as_model(const fs::path& file) {
   return std::string_view(begin.data(), begin.size()) == kMagic;
 }
 
-std::span<std::uint8_t> octets_of(const TableMemory& memory) {
+std::span<std::uint8_t> bytes_of(const TableMemory& memory) {
   return {reinterpret_cast<std::uint8_t*>(memory.span().data()), memory.span().size()};
 }
 
@@ -91,15 +91,15 @@ std::string load_model_file(const fs::path& file, Component* component, TargetMo
   if (!fs::is_regular_file(file, problem)) {
     return problem ? fmt::format("cannot be read: {}", problem.message()) : "no regular file";
   }
-  const std::uintmax_t octets = fs::file_size(file, problem);
-  if (problem || octets < kHeaderOctets || !begins_as_model(file)) {
+  const std::uintmax_t bytes = fs::file_size(file, problem);
+  if (problem || bytes < kHeaderOctets || !begins_as_model(file)) {
     return "no model of a target";
   }
-  if (octets > kHeaderOctets + target_model_octets_max()) {
+  if (bytes > kHeaderOctets + target_model_octets_max()) {
     return "larger than this program's tables";
   }
-  const TableMemory memory(octets);  // beside the pools, which are the libraries'
-  const std::span<std::uint8_t> whole = octets_of(memory).first(octets);
+  const TableMemory memory(bytes);  // beside the pools, which are the libraries'
+  const std::span<std::uint8_t> whole = bytes_of(memory).first(bytes);
   std::ifstream in(file, std::ios::binary);
   in.read(reinterpret_cast<char*>(whole.data()), static_cast<std::streamsize>(whole.size()));
   if (!in) {
@@ -137,16 +137,16 @@ void check_model_place(const fs::path& file) {
 
 void write_model_file(const fs::path& file, const Component& component) {
   const TableMemory memory(kHeaderOctets + target_model_octets_max());
-  const std::span<std::uint8_t> out = octets_of(memory);
-  const std::size_t octets = save_target_model(component, out.subspan(kHeaderOctets));
-  if (octets == 0) {
+  const std::span<std::uint8_t> out = bytes_of(memory);
+  const std::size_t bytes = save_target_model(component, out.subspan(kHeaderOctets));
+  if (bytes == 0) {
     throw RunFailure(fmt::format("{}: not written: there is no map", file.string()));
   }
   std::memcpy(out.data(), kMagic.data(), kMagic.size());
-  put_number(octets, &out[kMagic.size()]);
-  put_number(crc32_iso_hdlc(out.subspan(kHeaderOctets, octets)),
+  put_number(bytes, &out[kMagic.size()]);
+  put_number(crc32_iso_hdlc(out.subspan(kHeaderOctets, bytes)),
              &out[kMagic.size() + kNumberOctets]);
-  write_file(file, {reinterpret_cast<const char*>(out.data()), kHeaderOctets + octets});
+  write_file(file, {reinterpret_cast<const char*>(out.data()), kHeaderOctets + bytes});
 }
 
 std::string describe(const TargetModelFacts& f) {

@@ -1,4 +1,4 @@
-// A target's model on disk, for another pass: whole or refused. The same octets on every machine.
+// A target's model on disk, for another pass: whole or refused. The same bytes on every machine.
 #pragma once
 
 #include <filesystem>

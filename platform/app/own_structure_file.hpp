@@ -30,7 +30,7 @@ class OwnStructureFile {
   double part_ = 0.0;
 };
 
-/// Octets that reading and keeping it takes from the general pool; 0 without a file.
-std::size_t own_structure_octets(const std::filesystem::path& file, const CameraParameters& camera);
+/// Bytes that reading and keeping it takes from the general pool; 0 without a file.
+std::size_t own_structure_bytes(const std::filesystem::path& file, const CameraParameters& camera);
 
 }  // namespace polhode::platform

@@ -106,29 +106,29 @@ void PacketPrinter::finish() {
   print_damage();
   for (const auto& [apid, count] : unknown_) {
     print_stderr("{}: {} packets of APID {}, which is none of {} and following (--apid-first)\n",
-         options_.source,
-         count,
-         apid,
-         options_.apid_first);
+                 options_.source,
+                 count,
+                 apid,
+                 options_.apid_first);
   }
   if (idle_ + foreign_ > 0) {
     print_stderr("{}: passed over: {} idle packets, {} of other applications without our CRC\n",
-         options_.source,
-         idle_,
-         foreign_);
+                 options_.source,
+                 idle_,
+                 foreign_);
   }
   print_stderr("{} packets, {} missing by their counts, {} octets damaged\n",
-       packets_,
-       missing_,
-       damaged_total_);
+               packets_,
+               missing_,
+               damaged_total_);
 }
 
 void PacketPrinter::print_damage() {
   if (damage_octets_ != 0) {
     print_stderr("{}: {} octets at offset {} are no packet\n",
-         options_.source,
-         damage_octets_,
-         damage_offset_);
+                 options_.source,
+                 damage_octets_,
+                 damage_offset_);
     damage_octets_ = 0;
   }
 }

@@ -89,9 +89,9 @@ bool is_of_others(const fs::path& run_json) {
   if (fs::symlink_status(run_json, absent).type() != fs::file_type::regular) {
     return false;
   }
-  constexpr std::size_t kOctetsMax = std::size_t{1} << 20U;
+  constexpr std::size_t kBytesMax = std::size_t{1} << 20U;
   std::ifstream in(run_json, std::ios::binary);
-  std::string text(kOctetsMax, '\0');
+  std::string text(kBytesMax, '\0');
   in.read(text.data(), static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<std::size_t>(std::max<std::streamsize>(0, in.gcount())));
   return !text.empty() && (text.find("\"config_hash\"") == std::string::npos ||

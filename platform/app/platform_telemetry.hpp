@@ -58,7 +58,7 @@ class PlatformTelemetry {
   std::int64_t due_ns_ = 0;
   std::uint16_t sequence_ = 0;  ///< of both packets
   std::uint16_t events_ = 0;    ///< count of theirs
-  std::array<std::uint8_t, bus::platform_event_layout::kPacketOctets> octets_{};
+  std::array<std::uint8_t, bus::platform_event_layout::kPacketOctets> bytes_{};
 };
 
 }  // namespace polhode::platform

@@ -336,7 +336,7 @@ void replay(const ReplayArguments& arguments) {
           .transports = std::move(transports),
           .worker = Worker({.own_thread = !arguments.one_core && has_work_beside(parameters.jobs),
                             .latency_ms_max = arguments.job_latency_ms,
-                            .job_octets = job_worst_case(parameters)}),
+                            .job_bytes = job_worst_case(parameters)}),
           .deadline = DeadlineMonitor(parameters.budget.frame_ms),
           .files = FrameFiles(arguments.out, frames),
           .timings = Timings(frames),

@@ -46,19 +46,19 @@ std::unique_ptr<Recorder> make_recorder(const MachineOptions& machine,
     return nullptr;
   }
   constexpr std::uint64_t kMega = 1'000'000;
-  const std::uint64_t folder_octets = kMega * static_cast<std::uint64_t>(request.disk_mb_max);
+  const std::uint64_t folder_bytes = kMega * static_cast<std::uint64_t>(request.disk_mb_max);
   // Two files at least, so that there is something left when the oldest goes.
-  const std::uint64_t segment_octets =
-      std::min(kMega * static_cast<std::uint64_t>(request.segment_mb), folder_octets / 4);
+  const std::uint64_t segment_bytes =
+      std::min(kMega * static_cast<std::uint64_t>(request.segment_mb), folder_bytes / 4);
   auto recorder = std::make_unique<Recorder>(
       RecorderOptions{
           .folder = request.folder,
           .run_utc_ns = utc_now_ns(),
-          .limits = {.segment_octets_max = segment_octets, .folder_octets_max = folder_octets},
+          .limits = {.segment_bytes_max = segment_bytes, .folder_bytes_max = folder_bytes},
           .slots = static_cast<std::size_t>(request.slots),
           .complete = request.complete},
       begin_text(kVersion, own.sha256(), canonical_text(parameters)),
-      recorded_frame_octets(parameters.camera));
+      recorded_frame_bytes(parameters.camera));
   if (!checkpoint.empty()) {
     recorder->checkpoint(checkpoint);
   }
@@ -101,7 +101,8 @@ PlatformFacts settle_in(const RunOptions& request,
                         std::uint32_t restarts) {
   const std::string not_locked = request.lock_memory ? lock_memory() : "run.lock_memory is false";
   const std::string unbound = request.core >= 0 ? take_core(request.core) : "";
-  const std::string ordinary = request.priority > 0 ? take_priority(request.priority) : "none is wished";
+  const std::string ordinary =
+      request.priority > 0 ? take_priority(request.priority) : "none is wished";
   if (request.lock_memory && !not_locked.empty()) {
     report_line("%s", not_locked.c_str());
   }
@@ -120,7 +121,7 @@ PlatformFacts settle_in(const RunOptions& request,
 WorkerOptions worker_options(const Parameters& parameters, const RunOptions& request) {
   return {.own_thread = has_work_beside(parameters.jobs),
           .priority = std::max(0, request.priority - 1),
-          .job_octets = job_worst_case(parameters)};
+          .job_bytes = job_worst_case(parameters)};
 }
 
 /// From the first frame to the last nothing is asked of the machine. What ends it by an exception
@@ -157,20 +158,20 @@ void leave_behind(const RunJsonInput& input, const fs::path& folder) {
 
 /// @throws RunFailure when there was no camera.
 void report_end(LiveEnd end,
-             const LiveCounts& counts,
-             const LiveCamera& from,
-             const RunOptions& request) {
+                const LiveCounts& counts,
+                const LiveCamera& from,
+                const RunOptions& request) {
   if (end == LiveEnd::kNoCamera) {
     throw RunFailure(fmt::format("no camera within {} s: {}", request.start_s_max, from.state()));
   }
   const CameraCounters& camera = from.counters();
   report_line("%s: %u frames, %u with a pose; %u missing, %u damaged, %u passed over",
-      end == LiveEnd::kPlayed ? "at the end" : "stopped",
-      counts.frames_accepted,
-      counts.frames_with_pose,
-      camera.frames_missing,
-      camera.frames_damaged,
-      frames_passed_over(camera, counts));
+              end == LiveEnd::kPlayed ? "at the end" : "stopped",
+              counts.frames_accepted,
+              counts.frames_with_pose,
+              camera.frames_missing,
+              camera.frames_damaged,
+              frames_passed_over(camera, counts));
 }
 
 /// Where checkpoints are asked for: one now and then, and a last one when the run ends by a fault
@@ -190,7 +191,8 @@ void open_checkpoint(const RunOptions& options,
 /// Who may give commands, where that is not plain.
 void report_commands(const CommandPorts& ports) {
   if (ports.open_to_all()) {
-    report_line("commands are unauthenticated: all who reach the port may give them "
+    report_line(
+        "commands are unauthenticated: all who reach the port may give them "
         "(commands.unauthenticated = true)");
   }
   if (!ports.guard().remark().empty()) {
@@ -228,7 +230,7 @@ void run_command(const RunArguments& arguments) {
   report_line("start %s", beginning.how().c_str());
   std::optional<PacketLog> packets;
   open_packet_log(machine.run.folder, &packets);
-  const auto recorder = make_recorder(machine, parameters, own, beginning.octets());
+  const auto recorder = make_recorder(machine, parameters, own, beginning.bytes());
   beginning.release_bytes();
   std::optional<CheckpointWriter> checkpoint;
   std::optional<CheckpointOnFailure> last_words;

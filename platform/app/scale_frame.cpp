@@ -9,8 +9,8 @@
 
 #include "errors.hpp"
 #include "pipeline/parameter_table.hpp"
-#include "shape/scale_state.hpp"
 #include "print_stderr.hpp"
+#include "shape/scale_state.hpp"
 
 namespace polhode::platform {
 

@@ -89,21 +89,21 @@ Json memory(const SummaryInput& input) {
   Json pools = Json::object();
   for (std::size_t i = 0; i < kPoolCount; ++i) {
     const HeapUse& use = input.pools[i];
-    pools[pool_name(static_cast<Pool>(i))] = {{"octets", use.total_octets},
-                                              {"peak_octets", use.peak_octets},
-                                              {"at_end_octets", use.used_octets},
+    pools[pool_name(static_cast<Pool>(i))] = {{"octets", use.total_bytes},
+                                              {"peak_octets", use.peak_bytes},
+                                              {"at_end_octets", use.used_bytes},
                                               {"live_blocks", use.live_blocks}};
   }
-  return {{"budget_octets", input.plan.limit_octets},
-          {"planned_octets", input.plan.total_octets},
+  return {{"budget_octets", input.plan.limit_bytes},
+          {"planned_octets", input.plan.total_bytes},
           {"fixed", memory_is_fixed()},
-          {"peak_resident_octets", input.at_end.peak_resident_octets},
+          {"peak_resident_octets", input.at_end.peak_resident_bytes},
           {"pools", pools},
           {"components",
-           {{"component_tables_octets", input.plan.tables_octets},
-            {"grown_beyond_pools_octets", grown_octets()},
-            {"peak_resident_before_first_frame_octets", input.at_start.peak_resident_octets},
-            {"peak_resident_after_last_frame_octets", input.after_frames.peak_resident_octets}}}};
+           {{"component_tables_octets", input.plan.tables_bytes},
+            {"grown_beyond_pools_octets", grown_bytes()},
+            {"peak_resident_before_first_frame_octets", input.at_start.peak_resident_bytes},
+            {"peak_resident_after_last_frame_octets", input.after_frames.peak_resident_bytes}}}};
 }
 
 /// Before the start, and what came out at the end.
@@ -254,7 +254,7 @@ void write_summary(const std::filesystem::path& file, const SummaryInput& input)
         {"worst_us", input.deadline.worst_us()}}},
       {"bus", {{"octets", input.bus_octets}, {"sha256", input.bus_sha256}}},
       {"bus_sha256", input.bus_sha256}};
-  // Texts may cite any octets; what is not UTF-8 is replaced rather than refused. The path alone is
+  // Texts may cite any bytes; what is not UTF-8 is replaced rather than refused. The path alone is
   // to be found again by it.
   std::string text = summary.dump(2, ' ', false, Json::error_handler_t::replace);
   const std::string place = fmt::format("\"sequence\": \"{}\"", kPathHere);

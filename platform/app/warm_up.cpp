@@ -32,7 +32,7 @@ class PatchedBall {
         distance_(
             std::hypot(camera.fu_px / (kPart * std::min(camera.width_px, camera.height_px)), 1.0)),
         image_(static_cast<std::size_t>(camera.width_px) *
-                 static_cast<std::size_t>(camera.height_px)) {
+               static_cast<std::size_t>(camera.height_px)) {
     Rng rng(1, 6201);
     for (Patch& patch : patches_) {
       patch.middle = Eigen::Vector3d(rng.normal(), rng.normal(), rng.normal()).normalized();
@@ -61,7 +61,7 @@ class PatchedBall {
     return {.data = image_.data(),
             .width_px = camera_.width_px,
             .height_px = camera_.height_px,
-            .stride_octets = camera_.width_px};
+            .stride_bytes = camera_.width_px};
   }
 
  private:

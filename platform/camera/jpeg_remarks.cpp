@@ -12,7 +12,7 @@ namespace {
 /// cameras fill up their buffers. More of changing values are data that was not understood.
 bool are_stray(const jpeg_decompress_struct& decoder, const JOCTET* file) {
   constexpr long kFew = 16;
-  constexpr long kMarker = 2;  // octets of it, already read
+  constexpr long kMarker = 2;  // bytes of it, already read
   const long count = decoder.err->msg_parm.i[0];
   const JOCTET* end = decoder.src->next_input_byte - kMarker;
   if (count <= kFew) {
@@ -22,7 +22,7 @@ bool are_stray(const jpeg_decompress_struct& decoder, const JOCTET* file) {
     return false;
   }
   const JOCTET* begin = end - count;
-  return std::all_of(begin, end, [begin](JOCTET octet) { return octet == *begin; });
+  return std::all_of(begin, end, [begin](JOCTET byte) { return byte == *begin; });
 }
 
 }  // namespace

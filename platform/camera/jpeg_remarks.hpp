@@ -8,9 +8,9 @@
 namespace polhode::platform {
 
 /// For emit_message() with a level under 0, of an image that is read from memory. Harmless are
-/// stray octets before a restart or end marker, an end marker that is missing where all scans are
+/// stray bytes before a restart or end marker, an end marker that is missing where all scans are
 /// there, and odd headers. Missing or undecodable data is damage.
-/// @param file  the first octet of the image
+/// @param file  the first byte of the image
 bool indicates_damage(const jpeg_decompress_struct& decoder, const JOCTET* file);
 
 }  // namespace polhode::platform

@@ -141,9 +141,9 @@ std::string distortion(const CameraParameters& c) {
 std::vector<std::string> lens_warnings(const CameraParameters& camera, double pixel_aspect) {
   std::vector<std::string> warnings;
   for (const std::string& warning : {principal_point(camera),
-                                   focal_lengths(camera, pixel_aspect),
-                                   field_of_view(camera),
-                                   distortion(camera)}) {
+                                     focal_lengths(camera, pixel_aspect),
+                                     field_of_view(camera),
+                                     distortion(camera)}) {
     if (!warning.empty()) {
       warnings.push_back(warning);
     }

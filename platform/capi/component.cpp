@@ -228,7 +228,7 @@ size_t polhode_memory_needed(const polhode_parameters* parameters) {
 }
 
 polhode_status polhode_create(void* memory,
-                              size_t octets,
+                              size_t bytes,
                               const polhode_parameters* parameters,
                               polhode_component** out,
                               char* problem,
@@ -239,14 +239,14 @@ polhode_status polhode_create(void* memory,
       return polhode_status{POLHODE_BAD_ARGUMENT};
     }
     const bool aligned = reinterpret_cast<std::uintptr_t>(memory) % kAlignment == 0;
-    if (octets < kHandleOctets || !aligned) {
+    if (bytes < kHandleOctets || !aligned) {
       write_problem("memory: too small, or not aligned to 64", problem, problem_octets);
       return polhode_status{POLHODE_MEMORY_TOO_SMALL};
     }
     polhode::platform::pin_libraries();
     polhode::set_assertion_hook(&pass_on);
     auto* begin = static_cast<std::byte*>(memory);
-    auto made = polhode::Component::create({begin + kHandleOctets, octets - kHandleOctets},
+    auto made = polhode::Component::create({begin + kHandleOctets, bytes - kHandleOctets},
                                            parameters->values);
     if (!made) {
       write_problem(made.error().message, problem, problem_octets);
@@ -355,7 +355,7 @@ size_t polhode_checkpoint_octets_max(void) { return polhode::checkpoint_octets_m
 
 polhode_status polhode_save_checkpoint(const polhode_component* component,
                                        uint8_t* out,
-                                       size_t octets,
+                                       size_t bytes,
                                        size_t* written) {
   if (component == nullptr || out == nullptr || written == nullptr) {
     return POLHODE_BAD_ARGUMENT;
@@ -363,23 +363,23 @@ polhode_status polhode_save_checkpoint(const polhode_component* component,
   if (component->failed) {
     return POLHODE_FAILED;
   }
-  if (octets < polhode::checkpoint_octets_max()) {
+  if (bytes < polhode::checkpoint_octets_max()) {
     return POLHODE_MEMORY_TOO_SMALL;
   }
   return guarded([&] {
-    *written = polhode::save_checkpoint(*component->component, std::span(out, octets));
+    *written = polhode::save_checkpoint(*component->component, std::span(out, bytes));
     return polhode_status{POLHODE_OK};
   });
 }
 
 polhode_status polhode_restore_checkpoint(polhode_component* component,
-                                          const uint8_t* octets,
+                                          const uint8_t* bytes,
                                           size_t length) {
-  if (component == nullptr || octets == nullptr || component->component->next_step() != 0) {
+  if (component == nullptr || bytes == nullptr || component->component->next_step() != 0) {
     return POLHODE_BAD_ARGUMENT;
   }
   return guarded([&] {
-    const bool taken = polhode::restore_checkpoint(std::span(octets, length), component->component);
+    const bool taken = polhode::restore_checkpoint(std::span(bytes, length), component->component);
     return polhode_status{taken ? POLHODE_OK : POLHODE_BAD_CHECKPOINT};
   });
 }

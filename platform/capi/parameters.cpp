@@ -52,18 +52,19 @@ polhode_status set_bits(polhode_parameters* parameters,
     }
     const ParameterRow* row = polhode::find_parameter(key);
     if (row == nullptr || index >= polhode::value_count(*row)) {
-      write_problem(std::string(key) + (row == nullptr ? ": no such parameter" : ": index out of range"),
-           problem,
-           problem_octets);
+      write_problem(
+          std::string(key) + (row == nullptr ? ": no such parameter" : ": index out of range"),
+          problem,
+          problem_octets);
       return polhode_status{POLHODE_BAD_ARGUMENT};
     }
     bool exact = true;
     const std::uint64_t bits = bits_for(*row, value, &exact);
     if (!exact || !polhode::set_from_bits(*row, index, bits, &parameters->values)) {
       write_problem(std::string(key) + " = " + text_of(value) + ": allowed is " +
-               (is_real(*row) ? "" : "a whole number in ") + polhode::range_text(*row),
-           problem,
-           problem_octets);
+                        (is_real(*row) ? "" : "a whole number in ") + polhode::range_text(*row),
+                    problem,
+                    problem_octets);
       return polhode_status{POLHODE_BAD_PARAMETER};
     }
     return polhode_status{POLHODE_OK};
@@ -90,12 +91,12 @@ std::uint64_t bits_of_whole(const ParameterRow& row, std::int64_t value, bool* e
 
 size_t polhode_parameters_octets(void) { return sizeof(polhode_parameters); }
 
-polhode_status polhode_parameters_create(void* memory, size_t octets, polhode_parameters** out) {
+polhode_status polhode_parameters_create(void* memory, size_t bytes, polhode_parameters** out) {
   if (memory == nullptr || out == nullptr) {
     return POLHODE_BAD_ARGUMENT;
   }
   const bool aligned = reinterpret_cast<std::uintptr_t>(memory) % alignof(polhode_parameters) == 0;
-  if (octets < sizeof(polhode_parameters) || !aligned) {
+  if (bytes < sizeof(polhode_parameters) || !aligned) {
     return POLHODE_MEMORY_TOO_SMALL;
   }
   *out = ::new (memory) polhode_parameters;

@@ -8,9 +8,9 @@
 
 namespace polhode::capi {
 
-inline void write_problem(std::string_view text, char* problem, std::size_t octets) noexcept {
-  if (problem != nullptr && octets > 0) {
-    const std::size_t length = text.copy(problem, octets - 1);
+inline void write_problem(std::string_view text, char* problem, std::size_t bytes) noexcept {
+  if (problem != nullptr && bytes > 0) {
+    const std::size_t length = text.copy(problem, bytes - 1);
     problem[length] = '\0';
   }
 }

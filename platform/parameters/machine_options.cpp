@@ -190,7 +190,7 @@ MachineOptions load_machine_options(const std::filesystem::path& file,
   MachineOptions options;
   std::string source = file.string();
   try {
-    take_table(toml::parse(read_text(file, kSettingsOctetsMax), source), source, &options);
+    take_table(toml::parse(read_text(file, kSettingsBytesMax), source), source, &options);
     for (const std::string& setting : settings) {
       source = fmt::format("--set {}", setting);
       take_table(toml::parse(setting), source, &options);

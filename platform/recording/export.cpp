@@ -161,7 +161,7 @@ class Exporter {
                 {.data = record.content.data(),
                  .width_px = header.width_px,
                  .height_px = header.height_px,
-                 .stride_octets = header.width_px * (header.deep ? 2 : 1),
+                 .stride_bytes = header.width_px * (header.deep ? 2 : 1),
                  .format = header.deep ? PixelFormat::kGray16 : PixelFormat::kGray8});
     } else {
       ++report_.unreadable;

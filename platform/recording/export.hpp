@@ -41,7 +41,7 @@ ExportReport export_run(const RecordedRun& run, const std::filesystem::path& fol
 /// True when a replay of the export, as it is, gives the bytes of the live run.
 bool replays_to_the_same_bytes(const ExportReport& report);
 
-/// What the recording has lost, as in "41 octets damaged, 2 frames not recorded"; else empty.
+/// What the recording has lost, as in "41 bytes damaged, 2 frames not recorded"; else empty.
 std::string losses_of(const ExportReport& report);
 
 }  // namespace polhode::platform

@@ -30,23 +30,23 @@ struct RecorderCounters {
   std::uint64_t frames = 0;
   std::uint64_t missed = 0;          ///< frames and commands for which no slot was free
   std::uint64_t write_failures = 0;  ///< records that the disk did not take
-  std::uint64_t octets = 0;
+  std::uint64_t bytes = 0;
 };
 
 class Recorder {
  public:
   /// What its images need.
-  static std::size_t octets_needed(std::size_t slots, std::size_t frame_octets_max);
+  static std::size_t bytes_needed(std::size_t slots, std::size_t frame_bytes_max);
 
   /// Takes all memory that it will need. @param begin what the run's parameters are, as text.
   /// @throws RunFailure when the folder cannot be used.
-  Recorder(const RecorderOptions& options, std::string begin, std::size_t frame_octets_max);
+  Recorder(const RecorderOptions& options, std::string begin, std::size_t frame_bytes_max);
   ~Recorder();
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
   /// The state that the run starts from; before the first frame.
-  void checkpoint(std::span<const std::uint8_t> octets);
+  void checkpoint(std::span<const std::uint8_t> bytes);
   void frame(const Frame& frame);
   void dropped(DropReason reason, std::uint32_t count);
   void command(std::span<const std::uint8_t> packet);

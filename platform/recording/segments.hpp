@@ -12,8 +12,8 @@
 namespace polhode::platform {
 
 struct SegmentLimits {
-  std::uint64_t segment_octets_max = 0;
-  std::uint64_t folder_octets_max = 0;
+  std::uint64_t segment_bytes_max = 0;
+  std::uint64_t folder_bytes_max = 0;
 };
 
 /// "recording-<start of the run>-<number>.rec": in the order of their names they are in the order
@@ -30,24 +30,24 @@ class Segments {
   Segments(const Segments&) = delete;
   Segments& operator=(const Segments&) = delete;
 
-  /// True when `octets` more would make the present file too long, or none is open.
-  [[nodiscard]] bool wants_next(std::uint64_t octets) const;
+  /// True when `bytes` more would make the present file too long, or none is open.
+  [[nodiscard]] bool wants_next(std::uint64_t bytes) const;
   /// Ends the present file and begins the next, making room for all of it first.
   /// @return false when it cannot be made.
   bool begin_next();
   /// The file just begun could not be: without its first record nobody can read it.
   void abandon_present();
   /// @return false when the disk did not take it.
-  bool write(std::span<const std::uint8_t> octets);
+  bool write(std::span<const std::uint8_t> bytes);
 
-  [[nodiscard]] std::uint64_t folder_octets() const { return folder_octets_; }
+  [[nodiscard]] std::uint64_t folder_bytes() const { return folder_bytes_; }
   [[nodiscard]] std::uint32_t removed() const { return removed_; }
 
  private:
   using Name = std::array<char, 48>;
   struct Segment {
     Name name{};
-    std::uint64_t octets = 0;
+    std::uint64_t bytes = 0;
   };
   void remove_oldest();
 
@@ -58,7 +58,7 @@ class Segments {
   int file_ = -1;
   std::uint32_t number_ = 0;
   std::vector<Segment> segments_;  ///< oldest first; room is made at the start
-  std::uint64_t folder_octets_ = 0;
+  std::uint64_t folder_bytes_ = 0;
   std::uint32_t removed_ = 0;
 };
 

@@ -12,7 +12,7 @@
 namespace polhode::match_test {
 namespace {
 
-// As RootSIFT makes them: octets of norm 512, unrelated ones some 500 to 600 apart.
+// As RootSIFT makes them: bytes of norm 512, unrelated ones some 500 to 600 apart.
 Descriptor random_descriptor(Rng* rng) {
   std::array<double, 128> values{};
   double sum = 0.0;

@@ -117,8 +117,7 @@ TEST(Assess, NamesTheFaultThatAFrameIsSkippedFor) {
     gray(cv::Rect(60 + i, 70, 20, 20)).setTo(200);
     (void)assess(gray, {}, &history);
   }
-  cv::Mat broken =
-      image(0, 1);  // its rows repeat as always, and a block of it is octets by chance
+  cv::Mat broken = image(0, 1);  // its rows repeat as always, and a block of it is bytes by chance
   broken(cv::Rect(72, 70, 20, 20)).setTo(200);
   Rng rng(3, 0);
   for (int v = 16; v < 64; ++v) {
@@ -259,8 +258,8 @@ TEST(Assess, SkipsBrokenLines) {
   expect_skipped(watch.show(broken), FrameFault::kBitErrors);
 }
 
-/// Random octets: as rough, and as sharp, as an image can be.
-cv::Mat random_octets(std::uint64_t seed) {
+/// Random bytes: as rough, and as sharp, as an image can be.
+cv::Mat random_bytes(std::uint64_t seed) {
   cv::Mat gray(kHeight, kWidth, CV_8UC1);
   Rng rng(seed, 0);
   for (int j = 0; j < kWidth * kHeight; ++j) {
@@ -272,7 +271,7 @@ cv::Mat random_octets(std::uint64_t seed) {
 TEST(Assess, UsesNoiseThatHasAlwaysBeenThere) {
   QualityHistory history;
   for (std::uint64_t i = 0; i < 10; ++i) {
-    expect_good(assess(random_octets(i), {}, &history));
+    expect_good(assess(random_bytes(i), {}, &history));
   }
 }
 
@@ -280,12 +279,12 @@ TEST(Assess, UsesNoiseThatHasAlwaysBeenThere) {
 TEST(Assess, DegradesABlurredFrame) {
   QualityHistory history;
   for (std::uint64_t i = 0; i < 5; ++i) {
-    expect_good(assess(random_octets(i), {}, &history));
+    expect_good(assess(random_bytes(i), {}, &history));
   }
   // Means over 9 x 9: neighbours share 8 of 9 columns, those 4 apart 5 of 9, so the change over 1
   // px is sqrt(1 / 4) of that over 4.
   cv::Mat blurred;
-  cv::blur(random_octets(9), blurred, cv::Size(9, 9));
+  cv::blur(random_bytes(9), blurred, cv::Size(9, 9));
   const FrameVerdict verdict = assess(blurred, {}, &history);
   EXPECT_EQ(verdict.fault, FrameFault::kBlurred);
   EXPECT_EQ(verdict.decision, FrameDecision::kCare);

@@ -103,7 +103,7 @@ TEST(FindBitErrors, CountsEachFlippedPixel_WhateverItsColumn) {
 }
 
 TEST(FindBitErrors, CountsEachFlippedPixel_OfAWideRow) {
-  constexpr int kFlips = 260;  // sixteen columns apart: more than an octet counts
+  constexpr int kFlips = 260;  // sixteen columns apart: more than a byte counts
   cv::Mat gray = constant(16 * kFlips + 2, 40, 100);
   for (int i = 0; i < kFlips; ++i) {
     gray.at<std::uint8_t>(17, 1 + 16 * i) = 100 ^ 0x80;

@@ -13,9 +13,9 @@ namespace {
 
 using benchmark::Decidability;
 using synthetic::compare_start;
-using synthetic::make_start_scenario;
 using synthetic::InitialFamily;
 using synthetic::InitialScenario;
+using synthetic::make_start_scenario;
 using synthetic::to_start_tracks;
 
 InitialWorkspace& workspace() {

@@ -10,8 +10,8 @@
 namespace polhode::extend_test {
 namespace {
 
-using testing::make_initial_geometry;
 using testing::InitialGeometry;
+using testing::make_initial_geometry;
 
 constexpr int kFrames = 8;
 constexpr int kPoints = 40;

@@ -16,9 +16,9 @@
 namespace polhode::hypotheses_test {
 namespace {
 
-using testing::make_initial_geometry;
 using testing::InitialGeometry;
 using testing::InitialGeometryOptions;
+using testing::make_initial_geometry;
 
 /// A core of all frames and tracks.
 struct Seeding {

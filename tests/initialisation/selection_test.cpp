@@ -13,10 +13,10 @@ namespace polhode::selection_test {
 namespace {
 
 using synthetic::compare_start;
-using synthetic::make_start_scenario;
 using synthetic::InitialErrors;
 using synthetic::InitialFamily;
 using synthetic::InitialScenario;
+using synthetic::make_start_scenario;
 using synthetic::to_start_tracks;
 
 InitialWorkspace& workspace() {
@@ -26,8 +26,9 @@ InitialWorkspace& workspace() {
 
 InitialOutcome run(const InitialScenario& s, std::uint64_t seed) {
   const std::vector<InitialTrack> tracks = to_start_tracks(s.tracks, s.sigma_normalised);
-  return select_hypothesis(
-      {.times_s = s.motion.times_s, .tracks = tracks, .seed = seed}, InitialisationOptions{}, workspace());
+  return select_hypothesis({.times_s = s.motion.times_s, .tracks = tracks, .seed = seed},
+                           InitialisationOptions{},
+                           workspace());
 }
 
 struct View {

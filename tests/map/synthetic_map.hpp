@@ -16,7 +16,7 @@
 
 namespace polhode::synthetic {
 
-/// As RootSIFT makes them: octets of norm 512, unrelated ones some 500 apart.
+/// As RootSIFT makes them: bytes of norm 512, unrelated ones some 500 apart.
 inline Descriptor random_look(Rng* rng) {
   std::array<double, 128> values{};
   double sum = 0.0;

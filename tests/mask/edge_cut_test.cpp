@@ -102,12 +102,7 @@ TEST(CutAtEdges, KeepsSeeds_WhateverTheUnaryCost) {
   cv::Mat outline = body();
   cv::Mat seeds(kSize, CV_8UC1, cv::Scalar(0));
   cv::circle(seeds, {80, 60}, 4, cv::Scalar(255), cv::FILLED);
-  cut(image(),
-      cv::Mat(kSize, CV_32FC1, cv::Scalar(-0.3F)),
-      seeds,
-      1,
-      {.px = kReach_px},
-      &outline);
+  cut(image(), cv::Mat(kSize, CV_32FC1, cv::Scalar(-0.3F)), seeds, 1, {.px = kReach_px}, &outline);
   EXPECT_EQ(cv::countNonZero(seeds & ~outline), 0);
 }
 

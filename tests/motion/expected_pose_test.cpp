@@ -35,7 +35,8 @@ struct Followed {
     found.pose = predicted.pose;
     found.pose.R_CT = so3_exp(off_rad * Eigen::Vector3d::UnitX()) * predicted.pose.R_CT;
     found.covariance = kCovariance;
-    return plausible(expected_at(predicted, second * kSecond_ns, motion), initialisation_checks, *mapping);
+    return plausible(
+        expected_at(predicted, second * kSecond_ns, motion), initialisation_checks, *mapping);
   }
 
   /// The motion of a start of six frames.

@@ -67,7 +67,7 @@ inline Frame frame_of(std::int64_t timestamp_ns,
           .image = {.data = picture.data(),
                     .width_px = width_px,
                     .height_px = height_px,
-                    .stride_octets = width_px}};
+                    .stride_bytes = width_px}};
 }
 
 /// A frame that the camera could not deliver whole.

@@ -19,7 +19,7 @@ class DecodedSequence {
     while (camera.next(frame)) {
       std::vector<std::uint8_t>& rows = images_.emplace_back();
       for (int v = 0; v < frame.image.height_px; ++v) {
-        const std::uint8_t* row = frame.image.data + v * frame.image.stride_octets;
+        const std::uint8_t* row = frame.image.data + v * frame.image.stride_bytes;
         rows.insert(rows.end(), row, row + frame.image.width_px);
       }
     }
@@ -32,7 +32,7 @@ class DecodedSequence {
             .image = {.data = images_[played_frame(sequence_, position).index].data(),
                       .width_px = c.width_px,
                       .height_px = c.height_px,
-                      .stride_octets = c.width_px}};
+                      .stride_bytes = c.width_px}};
   }
 
  private:

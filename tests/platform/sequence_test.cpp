@@ -284,10 +284,10 @@ TEST(FileCamera, APgmOfSeveralImagesIsNotReadable_ALineEndBehindItIs) {
 
 TEST(FileCamera, AFileThatNoFrameCanNeedIsNotRead) {
   const SequenceFolder folder;
-  const std::size_t most = frame_octets_max({.width_px = kWidth, .height_px = kHeight});
+  const std::size_t most = frame_bytes_max({.width_px = kWidth, .height_px = kHeight});
   folder.frame("b.pgm", image() + std::string(most, '\0'));
   const Sequence sequence = open_sequence(folder.path());
-  EXPECT_EQ(sequence.file_octets_max, image().size());
+  EXPECT_EQ(sequence.file_bytes_max, image().size());
   FileCamera camera(sequence);
   Frame frame;
   ASSERT_TRUE(camera.next(frame));

@@ -285,7 +285,7 @@ TEST(AdjustBundle, GivesTheSameBytes_EachTimeAndAtAnyAddress) {
   Scene expected = start;
   const BundleReport report = adjust_bundle(expected.problem(), {});
   ASSERT_TRUE(report.usable);
-  // A point has 24 octets: every second shift puts the points off the 16 that packets want.
+  // A point has 24 bytes: every second shift puts the points off the 16 that packets want.
   for (std::size_t shift = 0; shift < 5; ++shift) {
     Scene s = start;
     s.observations.reserve(s.observations.size() + 1000 * shift);

@@ -14,8 +14,8 @@ namespace polhode::initial_adjustment_test {
 namespace {
 
 using testing::disturb;
-using testing::make_initial_geometry;
 using testing::InitialGeometry;
+using testing::make_initial_geometry;
 
 std::unique_ptr<InitialAdjustmentWorkspace> workspace() {
   return std::make_unique<InitialAdjustmentWorkspace>();
@@ -42,9 +42,9 @@ TEST(InitialAdjustment, RecoversExactGeometry_WithoutNoise) {
     ASSERT_TRUE(normalise_gauge(truth.view()));
     const auto w = workspace();
     (void)adjust_initial(g.observations,
-                       g.view(),
-                       {.iterations_max = 50, .loss = InitialLoss::kCauchy, .width_sigma = 30.0},
-                       w.get());
+                         g.view(),
+                         {.iterations_max = 50, .loss = InitialLoss::kCauchy, .width_sigma = 30.0},
+                         w.get());
     const InitialFit fit =
         adjust_initial(g.observations, g.view(), {.iterations_max = 50, .settled = 1e-12}, w.get());
     EXPECT_LT(fit.cost, 1e-6) << seed;
@@ -94,9 +94,9 @@ TEST(InitialAdjustment, LeavesWrongTracksAside) {
   }
   const auto w = workspace();
   (void)adjust_initial(g.observations,
-                     g.view(),
-                     {.iterations_max = 20, .loss = InitialLoss::kCauchy, .width_sigma = 3.0},
-                     w.get());
+                       g.view(),
+                       {.iterations_max = 20, .loss = InitialLoss::kCauchy, .width_sigma = 3.0},
+                       w.get());
   const InitialFit fit = adjust_initial(g.observations, g.view(), {.iterations_max = 30}, w.get());
   EXPECT_GE(fit.inliers, 48 * 6 * 95 / 100);
   EXPECT_LE(fit.inliers, 48 * 6);
@@ -234,7 +234,8 @@ Eigen::MatrixXd dense_point_covariance(InitialGeometry* g) {
 }
 
 TEST(InitialAdjustment, PointCovariances_EqualTheDenseOnesUnderTheSameGauge) {
-  InitialGeometry g = make_initial_geometry({.points = 14, .frames = 4, .extent_over_range = 0.1}, 23);
+  InitialGeometry g =
+      make_initial_geometry({.points = 14, .frames = 4, .extent_over_range = 0.1}, 23);
   ASSERT_TRUE(normalise_gauge(g.view()));
   std::vector<Eigen::Matrix3d> covariances(g.points_T.size());
   const auto w = workspace();

@@ -36,7 +36,8 @@ struct InitialGeometryOptions {
       false;  ///< no drift across the image: weak perspective then errs by extent / range alone
 };
 
-inline InitialGeometry make_initial_geometry(const InitialGeometryOptions& options, std::uint64_t seed) {
+inline InitialGeometry make_initial_geometry(const InitialGeometryOptions& options,
+                                             std::uint64_t seed) {
   Rng rng(seed, 5);
   const synthetic::Body body = options.flat ? synthetic::panel(options.points, 1.5, 1.0, &rng)
                                             : synthetic::box(options.points, {1.0, 1.2, 1.5}, &rng);

@@ -7,14 +7,14 @@
 #include "solve/affine_factorisation.hpp"
 #include "solve/constant_rate_grid.hpp"
 #include "solve/homography.hpp"
-#include "solve/relative_pose.hpp"
 #include "solve/initial_geometry.hpp"
+#include "solve/relative_pose.hpp"
 
 namespace polhode::initial_seeds_test {
 namespace {
 
-using testing::make_initial_geometry;
 using testing::InitialGeometry;
+using testing::make_initial_geometry;
 
 struct Pairs {
   std::vector<Eigen::Vector2d> a;

@@ -14,7 +14,7 @@ namespace polhode::synthetic {
 
 /// The first kInitialFrames frames of each of the first kInitialTracks tracks.
 inline std::vector<InitialTrack> to_start_tracks(const std::vector<Track>& tracks,
-                                               double sigma_normalised) {
+                                                 double sigma_normalised) {
   std::vector<InitialTrack> out;
   for (const Track& track : tracks) {
     InitialTrack start;
@@ -37,8 +37,8 @@ struct InitialErrors {
 
 /// Against the truth; the outcome has to have poses.
 inline InitialErrors compare_start(const InitialOutcome& out,
-                                 const std::vector<Track>& tracks,
-                                 const Motion& motion) {
+                                   const std::vector<Track>& tracks,
+                                   const Motion& motion) {
   InitialErrors errors;
   std::size_t first = out.frames.size();
   std::size_t last = 0;

@@ -25,25 +25,25 @@ enum class InitialFamily {
   kLumpy,        ///< independent slow drifts of each track: smooth, not rigid
 };
 inline constexpr std::array kInitialFamilies = {InitialFamily::kFar,
-                                              InitialFamily::kFarPartial,
-                                              InitialFamily::kTumbling,
-                                              InitialFamily::kPanel,
-                                              InitialFamily::kDish,
-                                              InitialFamily::kTranslation,
-                                              InitialFamily::kNoisy,
-                                              InitialFamily::kStatic,
-                                              InitialFamily::kRandom,
-                                              InitialFamily::kLumpy};
+                                                InitialFamily::kFarPartial,
+                                                InitialFamily::kTumbling,
+                                                InitialFamily::kPanel,
+                                                InitialFamily::kDish,
+                                                InitialFamily::kTranslation,
+                                                InitialFamily::kNoisy,
+                                                InitialFamily::kStatic,
+                                                InitialFamily::kRandom,
+                                                InitialFamily::kLumpy};
 inline constexpr std::array kInitialFamilyNames = {"far",
-                                                 "far partial",
-                                                 "tumbling",
-                                                 "panel",
-                                                 "dish",
-                                                 "drift",
-                                                 "noisy",
-                                                 "static",
-                                                 "random",
-                                                 "lumpy"};
+                                                   "far partial",
+                                                   "tumbling",
+                                                   "panel",
+                                                   "dish",
+                                                   "drift",
+                                                   "noisy",
+                                                   "static",
+                                                   "random",
+                                                   "lumpy"};
 constexpr bool has_body(InitialFamily family) {
   return family != InitialFamily::kStatic && family != InitialFamily::kRandom &&
          family != InitialFamily::kLumpy;

@@ -20,13 +20,13 @@ constexpr int kSpots = 200;
 Descriptor look_of(int spot) {
   Rng rng(43, static_cast<std::uint64_t>(spot));
   Descriptor d;
-  for (std::uint8_t& octet : d) {
-    octet = static_cast<std::uint8_t>(rng.below(2) * 64);
+  for (std::uint8_t& byte : d) {
+    byte = static_cast<std::uint8_t>(rng.below(2) * 64);
   }
   return d;
 }
 
-/// The same look from elsewhere: a hundred octets that are off by `step`.
+/// The same look from elsewhere: a hundred bytes that are off by `step`.
 Descriptor changed(Descriptor look, int step) {
   for (std::size_t i = 0; i < 100; ++i) {
     look[i] = static_cast<std::uint8_t>(look[i] + step);

@@ -11,7 +11,7 @@ inline constexpr std::size_t kFeatures = 450;
 
 // Pixels of the working image, in which features are detected: a square of 163 px is enlarged
 // three times, larger ones less. Fewer cost accuracy at once (docs/resources.md). Its scale space
-// takes 32 octets a pixel.
+// takes 32 bytes a pixel.
 inline constexpr std::size_t kWorkingPixels = 240000;
 
 // The longer side of that image. Chosen: three times a side of 640 px, for a boom across the image.
@@ -56,7 +56,7 @@ inline constexpr std::size_t kAdjustmentObservations = 300 * kKeyframes;
 // (config/small.toml).
 inline constexpr std::size_t kMotionPoses = 300;
 
-// Octets of one packet, as in the standard set.
+// Bytes of one packet, as in the standard set.
 inline constexpr std::size_t kPacketOctets = 1400;
 
 }  // namespace polhode::limits

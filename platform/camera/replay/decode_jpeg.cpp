@@ -15,10 +15,10 @@ struct Decoder {
   jpeg_decompress_struct jpeg{};
   jpeg_error_mgr errors{};
   std::jmp_buf failed{};
-  Octets file;
+  Bytes file;
   char message[JMSG_LENGTH_MAX] = {};
 
-  explicit Decoder(Octets octets) : file(octets) {
+  explicit Decoder(Bytes bytes) : file(bytes) {
     jpeg.err = jpeg_std_error(&errors);
     errors.error_exit = abort_decoding;
     errors.emit_message = remark;
@@ -77,7 +77,7 @@ struct Scans {
   bool several = false;
 };
 
-Scans scans_of(Octets file) {
+Scans scans_of(Bytes file) {
   Scans scans;
   bool progressive = false;
   std::size_t at = 2;  // after the marker that begins the image
@@ -105,7 +105,7 @@ Scans scans_of(Octets file) {
 
 /// The library keeps all coefficients, 16 bits each, until the last scan; a component is rounded up
 /// to whole groups of blocks, 32 pixels at most.
-std::size_t coefficient_octets(Octets file, const ImageHeader& header) {
+std::size_t coefficient_bytes(Bytes file, const ImageHeader& header) {
   constexpr std::size_t kGroup_px = 32;
   const Scans scans = scans_of(file);
   const std::size_t samples = (static_cast<std::size_t>(header.width_px) + kGroup_px) *
@@ -115,7 +115,7 @@ std::size_t coefficient_octets(Octets file, const ImageHeader& header) {
 
 }  // namespace
 
-Refusal jpeg_header(Octets file, ImageHeader& header) {
+Refusal jpeg_header(Bytes file, ImageHeader& header) {
   Decoder decoder(file);
   if (!decoder.read_header()) {
     return decoder.reason();
@@ -127,11 +127,11 @@ Refusal jpeg_header(Octets file, ImageHeader& header) {
   header = {.width_px = static_cast<int>(decoder.jpeg.image_width),
             .height_px = static_cast<int>(decoder.jpeg.image_height),
             .format = PixelFormat::kGray8};
-  header.decoder_octets = coefficient_octets(file, header);
+  header.decoder_bytes = coefficient_bytes(file, header);
   return std::nullopt;
 }
 
-Refusal jpeg_decode(Octets file, DecodedImage& image) {
+Refusal jpeg_decode(Bytes file, DecodedImage& image) {
   Decoder decoder(file);
   if (!decoder.read_header() || !decoder.read_rows(image.pixels.data())) {
     return decoder.reason();

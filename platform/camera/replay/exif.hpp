@@ -6,6 +6,6 @@
 namespace polhode::platform {
 
 /// EXIF's orientation: 1 as stored, to 8. Also 1 where the file has none, or a damaged one.
-int exif_orientation(Octets jpeg);
+int exif_orientation(Bytes jpeg);
 
 }  // namespace polhode::platform

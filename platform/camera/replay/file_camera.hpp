@@ -46,7 +46,7 @@ class FileCamera {
 
   const Sequence& sequence_;
   std::size_t next_ = 0;
-  std::vector<std::uint8_t> octets_;
+  std::vector<std::uint8_t> bytes_;
   DecodedImage image_;
   MosaicFilter mosaic_{0};
   std::string refusal_;

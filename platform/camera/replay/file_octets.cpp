@@ -24,9 +24,9 @@ struct Fault {
 Fault last_error() { return {"cannot be read: " + std::generic_category().message(errno), errno}; }
 
 std::optional<Fault> read(const std::filesystem::path& file,
-                          std::vector<std::uint8_t>& octets,
-                          std::size_t octets_max) {
-  octets.clear();
+                          std::vector<std::uint8_t>& bytes,
+                          std::size_t bytes_max) {
+  bytes.clear();
   const Descriptor in(::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
   struct stat status {};
   if (in.get() < 0 || ::fstat(in.get(), &status) != 0) {
@@ -36,14 +36,14 @@ std::optional<Fault> read(const std::filesystem::path& file,
     return Fault{"not a regular file"};
   }
   const auto size = static_cast<std::size_t>(status.st_size);
-  if (size > octets_max) {
+  if (size > bytes_max) {
     return Fault{"the file has " + std::to_string(size) + " octets; there is room for " +
-                 std::to_string(octets_max)};
+                 std::to_string(bytes_max)};
   }
-  octets.resize(size);
+  bytes.resize(size);
   std::size_t done = 0;
   while (done < size) {
-    const ssize_t count = ::read(in.get(), octets.data() + done, size - done);
+    const ssize_t count = ::read(in.get(), bytes.data() + done, size - done);
     if (count < 0 && errno == EINTR) {
       continue;
     }
@@ -58,17 +58,17 @@ std::optional<Fault> read(const std::filesystem::path& file,
 }  // namespace
 
 std::optional<std::string> read_file(const std::filesystem::path& file,
-                                     std::vector<std::uint8_t>& octets,
-                                     std::size_t octets_max) {
-  std::optional<Fault> fault = read(file, octets, octets_max);
+                                     std::vector<std::uint8_t>& bytes,
+                                     std::size_t bytes_max) {
+  std::optional<Fault> fault = read(file, bytes, bytes_max);
   return fault ? std::optional(std::move(fault->words)) : std::nullopt;
 }
 
 void read_file_at_start(const std::filesystem::path& file,
                         const std::string& what,
-                        std::vector<std::uint8_t>& octets,
-                        std::size_t octets_max) {
-  const std::optional<Fault> fault = read(file, octets, octets_max);
+                        std::vector<std::uint8_t>& bytes,
+                        std::size_t bytes_max) {
+  const std::optional<Fault> fault = read(file, bytes, bytes_max);
   if (fault && fault->error != 0) {
     fail_at_start(what + ": cannot be read", fault->error);
   }

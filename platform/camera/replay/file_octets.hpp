@@ -11,21 +11,21 @@
 namespace polhode::platform {
 
 /// Where nothing else is said: an 8192x8192 image of 16-bit colour, stored raw.
-inline constexpr std::size_t kFileOctetsMax = std::size_t{1} << 30U;
+inline constexpr std::size_t kFileBytesMax = std::size_t{1} << 30U;
 
-/// @param octets      keeps its capacity from file to file
+/// @param bytes      keeps its capacity from file to file
 /// @param octets_max  a larger file is not read
 /// @return why the file cannot be read, or nothing.
 std::optional<std::string> read_file(const std::filesystem::path& file,
-                                     std::vector<std::uint8_t>& octets,
-                                     std::size_t octets_max = kFileOctetsMax);
+                                     std::vector<std::uint8_t>& bytes,
+                                     std::size_t bytes_max = kFileBytesMax);
 
 /// The same at a start, without which nothing begins.
 /// @param what  names the file in what is thrown.
 /// @throws UnusableInput, or RunFailure for what may pass, as fail_at_start() has it.
 void read_file_at_start(const std::filesystem::path& file,
                         const std::string& what,
-                        std::vector<std::uint8_t>& octets,
-                        std::size_t octets_max = kFileOctetsMax);
+                        std::vector<std::uint8_t>& bytes,
+                        std::size_t bytes_max = kFileBytesMax);
 
 }  // namespace polhode::platform

@@ -29,12 +29,12 @@ struct Tile {
 class Levels {
  public:
   explicit Levels(const DecodedImage& image)
-      : image_(image), octets_(image.header.format == PixelFormat::kGray16 ? 2 : 1) {}
+      : image_(image), bytes_(image.header.format == PixelFormat::kGray16 ? 2 : 1) {}
 
   [[nodiscard]] unsigned at(int u, int v) const {
     const auto place = static_cast<std::size_t>(v) * static_cast<std::size_t>(width()) +
                        static_cast<std::size_t>(u);
-    if (octets_ == 1) {
+    if (bytes_ == 1) {
       return image_.pixels[place];
     }
     std::uint16_t level = 0;
@@ -63,7 +63,7 @@ class Levels {
   }
 
   const DecodedImage& image_;
-  int octets_;
+  int bytes_;
 };
 
 /// Of an image; u and v are even and at least 2, as around() reaches one pixel out.
@@ -178,8 +178,8 @@ template <typename Sample>
 void MosaicFilter::level_rows(DecodedImage* image) {
   const int width = image->header.width_px;
   const int height = image->header.height_px;
-  const std::size_t row_octets = static_cast<std::size_t>(width) * sizeof(Sample);
-  const auto row = [&](int v) { return &image->pixels[static_cast<std::size_t>(v) * row_octets]; };
+  const std::size_t row_bytes = static_cast<std::size_t>(width) * sizeof(Sample);
+  const auto row = [&](int v) { return &image->pixels[static_cast<std::size_t>(v) * row_bytes]; };
   sum_along<Sample>(row(1), width, &above_);  // mirrored at the first row
   sum_along<Sample>(row(0), width, &here_);
   for (int v = 0; v < height; ++v) {

@@ -24,7 +24,7 @@ class SensorFile {
  public:
   explicit SensorFile(const std::filesystem::path& file) : file_(file) {
     try {
-      root_ = YAML::Load(read_text(file, kSettingsOctetsMax));
+      root_ = YAML::Load(read_text(file, kSettingsBytesMax));
     } catch (const YAML::Exception& problem) {
       fail(fmt::format("not YAML: {}", problem.what()));
     }

@@ -31,14 +31,14 @@ struct Sequence {
   std::vector<SequenceFrame> frames;  ///< at least one; time stamps strictly increasing
   int depth_bits = 16;                ///< of the levels in 16-bit images (depth.hpp)
   bool mosaic = false;                ///< one is to be taken out of the images (mosaic.hpp)
-  std::size_t file_octets_max = 0;  ///< of the frames' files, those beyond frame_octets_max() aside
-  std::size_t decoder_octets = 0;   ///< as ImageHeader's, of the first image
+  std::size_t file_bytes_max = 0;  ///< of the frames' files, those beyond frame_bytes_max() aside
+  std::size_t decoder_bytes = 0;   ///< as ImageHeader's, of the first image
   std::vector<std::string> warnings;  ///< what is likely to be wrong, one line each with its file
 };
 
-/// A larger file is no frame of this camera: colour with alpha of 16 bits, stored raw, has 8 octets
+/// A larger file is no frame of this camera: colour with alpha of 16 bits, stored raw, has 8 bytes
 /// a pixel; one more for what a compressor adds to noise, and 1 MiB for profiles and remarks.
-std::size_t frame_octets_max(const CameraParameters& camera);
+std::size_t frame_bytes_max(const CameraParameters& camera);
 
 /// What the tables say, whatever the images are.
 struct SequenceTables {

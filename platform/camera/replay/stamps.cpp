@@ -152,8 +152,8 @@ std::string other_rate(double median_ns, double mean_ns, std::optional<double> r
 }  // namespace
 
 std::vector<std::string> stamp_warnings(std::span<const std::int64_t> stamps_ns,
-                                             std::optional<double> rate_hz,
-                                             const std::filesystem::path& table) {
+                                        std::optional<double> rate_hz,
+                                        const std::filesystem::path& table) {
   const std::vector<std::int64_t> intervals = intervals_of(stamps_ns);
   if (intervals.empty()) {
     return {};

@@ -18,8 +18,8 @@ namespace polhode::platform {
 /// takes, or intervals that are those of `rate_hz` in a unit a thousand, a million or a thousand
 /// million times as long.
 std::vector<std::string> stamp_warnings(std::span<const std::int64_t> stamps_ns,
-                                             std::optional<double> rate_hz,
-                                             const std::filesystem::path& table);
+                                        std::optional<double> rate_hz,
+                                        const std::filesystem::path& table);
 
 /// A camera reads an image before it takes the next one.
 /// @param readout_ns  from the first row to the last; negative: from the last one up

@@ -38,7 +38,7 @@ void widen_row(const std::uint8_t* from, int pixels, int bits, std::uint8_t* to)
 void group_row(const std::uint8_t* from, int pixels, const PixelPacking& packing, std::uint8_t* to);
 /// @param from the luminance of the first pixel.
 void luma_row(const std::uint8_t* from, int pixels, std::uint8_t* to);
-/// @param red  place of red among the three octets, 0 or 2.
+/// @param red  place of red among the three bytes, 0 or 2.
 void rgb_row(const std::uint8_t* from, int pixels, int red, std::uint8_t* to);
 
 }  // namespace polhode::platform

@@ -37,12 +37,12 @@ class LinuxDeviceCalls final : public DeviceCalls {
     return -EINTR;
   }
 
-  std::uint8_t* map(int device, std::size_t octets, std::int64_t offset) override {
-    void* block = ::mmap(nullptr, octets, PROT_READ | PROT_WRITE, MAP_SHARED, device, offset);
+  std::uint8_t* map(int device, std::size_t bytes, std::int64_t offset) override {
+    void* block = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, device, offset);
     return block == MAP_FAILED ? nullptr : static_cast<std::uint8_t*>(block);
   }
 
-  void unmap(std::uint8_t* block, std::size_t octets) override { ::munmap(block, octets); }
+  void unmap(std::uint8_t* block, std::size_t bytes) override { ::munmap(block, bytes); }
 
   int poll(int device, int timeout_ms) override {
     pollfd waited{.fd = device, .events = POLLIN, .revents = 0};

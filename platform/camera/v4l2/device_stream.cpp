@@ -13,7 +13,10 @@ namespace {
 
 bool has_planes(std::uint32_t type) { return type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE; }
 
-v4l2_format requested_format(std::uint32_t type, std::uint32_t fourcc, int width_px, int height_px) {
+v4l2_format requested_format(std::uint32_t type,
+                             std::uint32_t fourcc,
+                             int width_px,
+                             int height_px) {
   v4l2_format format{};
   format.type = type;
   if (has_planes(type)) {
@@ -37,15 +40,15 @@ OfferedFormat offered(const v4l2_format& format) {
     return {.fourcc = planes.pixelformat,
             .width_px = static_cast<int>(planes.width),
             .height_px = static_cast<int>(planes.height),
-            .row_octets = planes.plane_fmt[0].bytesperline,
-            .image_octets = planes.plane_fmt[0].sizeimage,
+            .row_bytes = planes.plane_fmt[0].bytesperline,
+            .image_bytes = planes.plane_fmt[0].sizeimage,
             .field = planes.field};
   }
   return {.fourcc = format.fmt.pix.pixelformat,
           .width_px = static_cast<int>(format.fmt.pix.width),
           .height_px = static_cast<int>(format.fmt.pix.height),
-          .row_octets = format.fmt.pix.bytesperline,
-          .image_octets = format.fmt.pix.sizeimage,
+          .row_bytes = format.fmt.pix.bytesperline,
+          .image_bytes = format.fmt.pix.sizeimage,
           .field = format.fmt.pix.field};
 }
 
@@ -195,8 +198,8 @@ OpenResult DeviceStream::set_format() {
                   request_.format.height_px);
     return OpenResult::kUnsuitable;
   }
-  v4l2_format format =
-      requested_format(type_, formats[*choice].fourcc, request_.format.width_px, request_.format.height_px);
+  v4l2_format format = requested_format(
+      type_, formats[*choice].fourcc, request_.format.width_px, request_.format.height_px);
   const int answer = calls_.ioctl(device_, VIDIOC_S_FMT, &format);
   if (answer < 0) {
     return failed("S_FMT", answer);
@@ -246,7 +249,7 @@ OpenResult DeviceStream::map_ring() {
     if (block == nullptr) {
       return failed("mmap", -ENOMEM);
     }
-    (void)ring_.push_back({.block = block, .octets = named.length()});
+    (void)ring_.push_back({.block = block, .bytes = named.length()});
   }
   return OpenResult::kStreaming;
 }
@@ -276,7 +279,7 @@ void DeviceStream::close() {
     streaming_ = false;
   }
   for (const Mapped& mapped : ring_) {
-    calls_.unmap(mapped.block, mapped.octets);
+    calls_.unmap(mapped.block, mapped.bytes);
   }
   ring_.clear();
   calls_.close(device_);
@@ -313,7 +316,7 @@ TakeResult DeviceStream::take(int timeout_ms, TakenBuffer* taken) {
   const bool at_start =
       (buffer.flags & V4L2_BUF_FLAG_TSTAMP_SRC_MASK) == V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
   const Mapped& mapped = ring_[buffer.index];
-  const std::size_t end = std::min<std::size_t>(named.end(), mapped.octets);
+  const std::size_t end = std::min<std::size_t>(named.end(), mapped.bytes);
   const std::size_t begin = std::min<std::size_t>(named.begin(), end);
   const std::int64_t now_ns = calls_.now_ns();
   *taken = {
@@ -325,7 +328,7 @@ TakeResult DeviceStream::take(int timeout_ms, TakenBuffer* taken) {
       .stamped_at = stamped && at_start ? StampedAt::kStartOfExposure : StampedAt::kEndOfFrame,
       .taken_ns = now_ns,
       .damaged = (buffer.flags & V4L2_BUF_FLAG_ERROR) != 0,
-      .octets = {mapped.block + begin, end - begin}};
+      .bytes = {mapped.block + begin, end - begin}};
   return TakeResult::kBuffer;
 }
 

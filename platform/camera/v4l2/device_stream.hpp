@@ -58,12 +58,13 @@ struct TakenBuffer {
   StampedAt stamped_at = StampedAt::kEndOfFrame;
   std::int64_t taken_ns = 0;  ///< when it came out of the queue
   bool damaged = false;       ///< by the device's own word
-  std::span<const std::uint8_t> octets;
+  std::span<const std::uint8_t> bytes;
 };
 
 class DeviceStream {
  public:
-  DeviceStream(DeviceCalls& calls, DeviceRequest request) : calls_(calls), request_(std::move(request)) {}
+  DeviceStream(DeviceCalls& calls, DeviceRequest request)
+      : calls_(calls), request_(std::move(request)) {}
   ~DeviceStream() { close(); }
   DeviceStream(const DeviceStream&) = delete;
   DeviceStream& operator=(const DeviceStream&) = delete;
@@ -104,7 +105,7 @@ class DeviceStream {
  private:
   struct Mapped {
     std::uint8_t* block = nullptr;
-    std::size_t octets = 0;
+    std::size_t bytes = 0;
   };
 
   /// Opens the node and agrees on the format.

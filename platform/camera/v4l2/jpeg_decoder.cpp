@@ -18,32 +18,32 @@ namespace {
 // Vector units read and write whole lines beyond a row's end.
 constexpr std::size_t kAlignment = 64;
 // Huffman and quantisation tables, each slot of them once.
-constexpr std::size_t kPermanentOctets = 32 * 1024;
-// Tables and a group of rows of all components, before and after upsampling: under 200 octets for
+constexpr std::size_t kPermanentBytes = 32 * 1024;
+// Tables and a group of rows of all components, before and after upsampling: under 200 bytes for
 // each pixel of a row, whatever the subsampling (tests/platform/v4l2/jpeg_decoder_test.cpp).
-constexpr std::size_t kImageOctets = 128 * 1024;
+constexpr std::size_t kImageBytes = 128 * 1024;
 constexpr std::size_t kPerColumn = 256;
 
-constexpr std::size_t rounded(std::size_t octets) {
-  return (octets + kAlignment - 1) / kAlignment * kAlignment;
+constexpr std::size_t rounded(std::size_t bytes) {
+  return (bytes + kAlignment - 1) / kAlignment * kAlignment;
 }
 
 /// Memory that is given out piece by piece, and taken back as a whole.
 struct Arena {
-  std::vector<std::byte> octets;
+  std::vector<std::byte> bytes;
   std::size_t begin = 0;  ///< of what is aligned
   std::size_t used = 0;
   std::size_t peak = 0;
 
-  explicit Arena(std::size_t size) : octets(size + kAlignment) {
-    const auto at = reinterpret_cast<std::uintptr_t>(octets.data());
+  explicit Arena(std::size_t size) : bytes(size + kAlignment) {
+    const auto at = reinterpret_cast<std::uintptr_t>(bytes.data());
     begin = rounded(at) - at;
   }
   void* take(std::size_t wanted) {
-    if (wanted > octets.size() || used + rounded(wanted) > octets.size() - kAlignment) {
+    if (wanted > bytes.size() || used + rounded(wanted) > bytes.size() - kAlignment) {
       return nullptr;
     }
-    void* const piece = octets.data() + begin + used;
+    void* const piece = bytes.data() + begin + used;
     used += rounded(wanted);
     peak = std::max(peak, used);
     return piece;
@@ -59,13 +59,13 @@ struct JpegDecoder::State {
   jpeg_memory_mgr* own_memory = nullptr;  ///< the library's, for what it took when it was made
   std::jmp_buf failed{};
   const JOCTET* file = nullptr;  ///< that is being decoded
-  Arena permanent{kPermanentOctets};
+  Arena permanent{kPermanentBytes};
   Arena image;
   int width_px;
   int height_px;
 
   State(int width, int height)
-      : image(kImageOctets + kPerColumn * static_cast<std::size_t>(width)),
+      : image(kImageBytes + kPerColumn * static_cast<std::size_t>(width)),
         width_px(width),
         height_px(height) {}
 };
@@ -76,7 +76,9 @@ JpegDecoder::State* state_of(j_common_ptr decoder) {
   return static_cast<JpegDecoder::State*>(decoder->client_data);
 }
 
-[[noreturn]] void abort_decoding(j_common_ptr decoder) { std::longjmp(state_of(decoder)->failed, 1); }
+[[noreturn]] void abort_decoding(j_common_ptr decoder) {
+  std::longjmp(state_of(decoder)->failed, 1);
+}
 
 void warn(j_common_ptr decoder, int level) {
   const JpegDecoder::State* state = state_of(decoder);
@@ -87,10 +89,10 @@ void warn(j_common_ptr decoder, int level) {
 
 void emit_nothing(j_common_ptr /*decoder*/) {}
 
-void* take(j_common_ptr decoder, int pool, std::size_t octets) {
+void* take(j_common_ptr decoder, int pool, std::size_t bytes) {
   JpegDecoder::State* state = state_of(decoder);
   Arena& arena = pool == JPOOL_PERMANENT ? state->permanent : state->image;
-  void* const piece = arena.take(octets);
+  void* const piece = arena.take(bytes);
   if (piece == nullptr) {
     abort_decoding(decoder);
   }
@@ -98,12 +100,12 @@ void* take(j_common_ptr decoder, int pool, std::size_t octets) {
 }
 
 template <typename Row>
-Row* take_rows(j_common_ptr decoder, int pool, std::size_t row_octets, JDIMENSION rows) {
+Row* take_rows(j_common_ptr decoder, int pool, std::size_t row_bytes, JDIMENSION rows) {
   auto* table = static_cast<Row*>(take(decoder, pool, rows * sizeof(Row)));
-  const std::size_t pitch = rounded(row_octets) + kAlignment;
-  auto* octets = static_cast<std::byte*>(take(decoder, pool, rows * pitch));
+  const std::size_t pitch = rounded(row_bytes) + kAlignment;
+  auto* bytes = static_cast<std::byte*>(take(decoder, pool, rows * pitch));
   for (JDIMENSION i = 0; i < rows; ++i) {
-    table[i] = reinterpret_cast<Row>(octets + i * pitch);
+    table[i] = reinterpret_cast<Row>(bytes + i * pitch);
   }
   return table;
 }
@@ -175,17 +177,17 @@ JpegDecoder::~JpegDecoder() {
   jpeg_destroy_decompress(&state_->decoder);
 }
 
-bool JpegDecoder::decode(std::span<const std::uint8_t> octets, std::uint8_t* gray) {
+bool JpegDecoder::decode(std::span<const std::uint8_t> bytes, std::uint8_t* gray) {
   State* const s = state_.get();
-  if (octets.empty()) {
+  if (bytes.empty()) {
     return false;
   }
   if (setjmp(s->failed) != 0) {  // NOLINT(cert-err52-cpp): the library's way out of an error
     jpeg_abort_decompress(&s->decoder);
     return false;
   }
-  s->file = octets.data();
-  jpeg_mem_src(&s->decoder, octets.data(), static_cast<unsigned long>(octets.size()));
+  s->file = bytes.data();
+  jpeg_mem_src(&s->decoder, bytes.data(), static_cast<unsigned long>(bytes.size()));
   (void)jpeg_read_header(&s->decoder, TRUE);
   if (s->decoder.image_width != static_cast<JDIMENSION>(s->width_px) ||
       s->decoder.image_height != static_cast<JDIMENSION>(s->height_px)) {
@@ -204,7 +206,7 @@ bool JpegDecoder::decode(std::span<const std::uint8_t> octets, std::uint8_t* gra
   return true;
 }
 
-std::size_t JpegDecoder::peak_octets() const { return state_->image.peak; }
-std::size_t JpegDecoder::memory_octets() const { return state_->image.octets.size(); }
+std::size_t JpegDecoder::peak_bytes() const { return state_->image.peak; }
+std::size_t JpegDecoder::memory_octets() const { return state_->image.bytes.size(); }
 
 }  // namespace polhode::platform

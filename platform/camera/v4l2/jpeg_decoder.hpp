@@ -20,13 +20,13 @@ class JpegDecoder {
   JpegDecoder& operator=(JpegDecoder&&) = delete;
 
   /// @param gray   room for width times height.
-  /// @return false when the octets are no whole baseline JPEG image of this size (an image that
+  /// @return false when the bytes are no whole baseline JPEG image of this size (an image that
   /// ends early is refused, not painted gray), or it asks for more memory than such images do. The
   /// next one is decoded none the worse for it. No heap.
-  [[nodiscard]] bool decode(std::span<const std::uint8_t> octets, std::uint8_t* gray);
+  [[nodiscard]] bool decode(std::span<const std::uint8_t> bytes, std::uint8_t* gray);
 
   /// The most that an image has taken so far, of memory_octets().
-  [[nodiscard]] std::size_t peak_octets() const;
+  [[nodiscard]] std::size_t peak_bytes() const;
   [[nodiscard]] std::size_t memory_octets() const;
 
   struct State;  ///< the library's and ours; in the source file

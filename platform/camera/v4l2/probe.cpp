@@ -125,7 +125,7 @@ DeviceReport probe_device(DeviceCalls& calls,
   ask(calls, device, &report);
   if (report.captures) {
     const FormatRequest request{.width_px = width_px > 0 ? width_px : report.width_px,
-                          .height_px = height_px > 0 ? height_px : report.height_px};
+                                .height_px = height_px > 0 ? height_px : report.height_px};
     const auto offered =
         ask_formats(calls, device, report.capture_type, request.width_px, request.height_px);
     for (const OfferedFormat& format : offered.view()) {

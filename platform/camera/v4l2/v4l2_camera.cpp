@@ -10,7 +10,7 @@ constexpr std::int64_t kMillisecond_ns = 1'000'000;
 
 bool same(const OfferedFormat& a, const OfferedFormat& b) {
   return a.fourcc == b.fourcc && a.width_px == b.width_px && a.height_px == b.height_px &&
-         a.row_octets == b.row_octets;
+         a.row_bytes == b.row_bytes;
 }
 
 const char* name_of(OpenResult result) {
@@ -67,7 +67,8 @@ OpenResult V4l2Camera::open_elsewhere() {
 OpenResult V4l2Camera::open_wherever_it_is() {
   const OpenResult requested = stream_.open();
   set_state(name_of(requested), stream_.trouble());
-  const bool may_be_elsewhere = requested == OpenResult::kAbsent || requested == OpenResult::kOther ||
+  const bool may_be_elsewhere = requested == OpenResult::kAbsent ||
+                                requested == OpenResult::kOther ||
                                 requested == OpenResult::kUnsuitable;
   if (!converter_ || !may_be_elsewhere) {
     return requested;
@@ -232,7 +233,7 @@ Arrival V4l2Camera::hand_out(Frame* frame) {
   last_timestamp_ns_ = timestamp_ns;
   available_ns_ = filled_ns(buffer);
   *frame = {.timestamp_ns = timestamp_ns, .image = {}, .readable = false};
-  frame->readable = !buffer.damaged && converter_->convert(buffer.octets, &frame->image);
+  frame->readable = !buffer.damaged && converter_->convert(buffer.bytes, &frame->image);
   if (!frame->readable) {
     frame->image = {};
     ++counters_.frames_damaged;

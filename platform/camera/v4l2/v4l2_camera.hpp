@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "base/fixed_vector.hpp"
 #include "base/earlier_times.hpp"
+#include "base/fixed_vector.hpp"
 #include "camera/live_camera.hpp"
 #include "camera/v4l2/convert.hpp"
 #include "camera/v4l2/device_stream.hpp"
@@ -66,7 +66,7 @@ class V4l2Camera final : public LiveCamera {
   OfferedFormat first_format_;
   DeviceIdentity first_identity_;
   FixedVector<TakenBuffer, kDeviceBuffers> ready_;  ///< oldest first
-  std::optional<TakenBuffer> taken_;                 ///< the estimator looks at it
+  std::optional<TakenBuffer> taken_;                ///< the estimator looks at it
   SequenceWatch sequence_;
   Backoff backoff_;
   std::int64_t waited_ns_ =

@@ -10,7 +10,7 @@
 
 namespace polhode::platform {
 
-/// One line to stderr, by printf's rules, cut after 400 octets. Takes no memory.
+/// One line to stderr, by printf's rules, cut after 400 bytes. Takes no memory.
 [[gnu::format(printf, 1, 2)]] inline void print_last(const char* format, ...) {
   char text[400];
   std::va_list values;

@@ -58,9 +58,9 @@ void ServiceManager::notify(std::string_view text) {
 
 void ServiceManager::status(std::string_view line) {
   char text[256];
-  const int octets =
+  const int bytes =
       std::snprintf(text, sizeof text, "STATUS=%.*s", static_cast<int>(line.size()), line.data());
-  notify({text, std::min(static_cast<std::size_t>(std::max(octets, 0)), sizeof text - 1)});
+  notify({text, std::min(static_cast<std::size_t>(std::max(bytes, 0)), sizeof text - 1)});
 }
 
 void ServiceManager::progress(std::int64_t now_ns) {

@@ -74,7 +74,7 @@ void Worker::start_thread() {
   pthread_attr_t attributes;
   pthread_attr_init(&attributes);
   // Said explicitly: the default is the shell's limit, 8 MB and more of address space a thread.
-  pthread_attr_setstacksize(&attributes, options_.stack_octets);
+  pthread_attr_setstacksize(&attributes, options_.stack_bytes);
   const int problem = pthread_create(&thread_, &attributes, thread_main, this);
   pthread_attr_destroy(&attributes);
   if (problem != 0) {
@@ -102,8 +102,8 @@ void* Worker::thread_main(void* worker) {
 }
 
 Worker::Entry* Worker::next() {
-  Entry* const found =
-      std::find_if(entries_.begin(), entries_.end(), [](const Entry& entry) { return !entry.done; });
+  Entry* const found = std::find_if(
+      entries_.begin(), entries_.end(), [](const Entry& entry) { return !entry.done; });
   return found == entries_.end() ? nullptr : found;
 }
 
@@ -129,7 +129,7 @@ void Worker::serve() {
 
 bool Worker::admitted() const {
   return !memory_is_sealed() || !memory_is_fixed() ||
-         pool_use(Pool::kJobs).largest_free_octets >= options_.job_octets;
+         pool_use(Pool::kJobs).largest_free_bytes >= options_.job_bytes;
 }
 
 Worker::Duration Worker::run(Job* job) {
@@ -170,8 +170,9 @@ bool Worker::late_for(std::uint32_t step) {
 /// With the lock held.
 void Worker::wait_until_done(const Job* job) {
   const auto is_done = [&] {
-    return std::any_of(
-        entries_.begin(), entries_.end(), [&](const Entry& entry) { return entry.job == job && entry.done; });
+    return std::any_of(entries_.begin(), entries_.end(), [&](const Entry& entry) {
+      return entry.job == job && entry.done;
+    });
   };
   while (!is_done()) {
     pthread_cond_wait(&changed_, &mutex_);

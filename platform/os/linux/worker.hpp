@@ -15,7 +15,7 @@ namespace polhode::platform {
 
 struct WorkerOptions {
   bool own_thread = true;  ///< false: a job is run where it is asked for, on the caller's thread
-  std::size_t stack_octets = std::size_t{2} << 20;  ///< the solvers take under 1 MB of it
+  std::size_t stack_bytes = std::size_t{2} << 20;  ///< the solvers take under 1 MB of it
   int core = 1;  ///< that the thread is bound to where the machine has it
   /// Real-time priority (SCHED_FIFO) of the thread where the machine grants it; 0: an ordinary one.
   /// Under that of the steps' thread, which comes first where both want one core.
@@ -24,7 +24,7 @@ struct WorkerOptions {
   std::uint32_t latency_ms_max = 0;
   /// A job is only begun when its pool has this much in one piece: libraries do not survive
   /// without.
-  std::size_t job_octets = 0;
+  std::size_t job_bytes = 0;
 };
 
 /// What the thread got of what it asked for.

@@ -10,16 +10,16 @@ constexpr int kWait_ms = 20;
 
 V4l2Options options() {
   return {.request = {.path = "/dev/video9",
-                   .format = {.width_px = 64, .height_px = 48},
-                   .rate_hz = 10.0,
-                   .buffers = 4}};
+                      .format = {.width_px = 64, .height_px = 48},
+                      .rate_hz = 10.0,
+                      .buffers = 4}};
 }
 
 class V4l2CameraTest : public testing::Test {
  protected:
-  void take_frame(std::uint8_t level, std::uint32_t flags = 0, std::uint32_t octets_short = 0) {
+  void take_frame(std::uint8_t level, std::uint32_t flags = 0, std::uint32_t bytes_short = 0) {
     device.time_ns += 1'000'000;
-    ASSERT_TRUE(device.take_frame(level, flags, octets_short));
+    ASSERT_TRUE(device.take_frame(level, flags, bytes_short));
   }
 
   /// Calls until a frame comes, for at most `limit_ms` of the device's time.

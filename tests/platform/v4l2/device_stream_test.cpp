@@ -127,8 +127,8 @@ TEST(DeviceStream, TakesBuffersInOrder_AndTheDeviceUsesThemAgain) {
     ASSERT_TRUE(device.take_frame(round));
     TakenBuffer taken;
     ASSERT_EQ(stream.take(100, &taken), TakeResult::kBuffer);
-    EXPECT_EQ(taken.octets.size(), 64U * 48U);
-    EXPECT_EQ(taken.octets[100], round);
+    EXPECT_EQ(taken.bytes.size(), 64U * 48U);
+    EXPECT_EQ(taken.bytes[100], round);
     EXPECT_EQ(taken.sequence, round - 1U);
     EXPECT_EQ(taken.stamp_ns, device.time_ns);
     EXPECT_FALSE(taken.damaged);
@@ -182,14 +182,14 @@ TEST(DeviceStream, MoreOctetsThanTheBufferHasAreCutOff) {
   ASSERT_TRUE(device.take_frame(1, 0, static_cast<std::uint32_t>(-1000)));
   TakenBuffer taken;
   ASSERT_EQ(stream.take(10, &taken), TakeResult::kBuffer);
-  EXPECT_EQ(taken.octets.size(), 64U * 48U);
+  EXPECT_EQ(taken.bytes.size(), 64U * 48U);
 }
 
 TEST(DeviceStream, TakesTheLuminanceOfADeviceWithSeveralPlanes) {
   FakeDevice device;
   device.capabilities = V4L2_CAP_VIDEO_CAPTURE_MPLANE | V4L2_CAP_STREAMING;
   device.planes = 2;
-  device.octets_before = 16;
+  device.bytes_before = 16;
   device.formats = {V4L2_PIX_FMT_NV12M};
   DeviceStream stream(device, request());
   ASSERT_EQ(stream.open(), OpenResult::kStreaming) << stream.trouble();
@@ -199,7 +199,7 @@ TEST(DeviceStream, TakesTheLuminanceOfADeviceWithSeveralPlanes) {
     ASSERT_TRUE(device.take_frame(9));
     TakenBuffer taken;
     ASSERT_EQ(stream.take(10, &taken), TakeResult::kBuffer);
-    EXPECT_EQ(taken.octets.size(), 64U * 48U);
+    EXPECT_EQ(taken.bytes.size(), 64U * 48U);
     EXPECT_TRUE(stream.give_back(taken.index));
   }
   stream.close();

@@ -9,15 +9,15 @@ namespace polhode::platform::formats_test {
 namespace {
 
 OfferedFormat offer(std::uint32_t fourcc,
-                    std::uint32_t octets_per_pixel,
+                    std::uint32_t bytes_per_pixel,
                     int width = 640,
                     int height = 480) {
-  const std::uint32_t row = octets_per_pixel * static_cast<std::uint32_t>(width);
+  const std::uint32_t row = bytes_per_pixel * static_cast<std::uint32_t>(width);
   return {.fourcc = fourcc,
           .width_px = width,
           .height_px = height,
-          .row_octets = row,
-          .image_octets = row * static_cast<std::uint32_t>(height)};
+          .row_bytes = row,
+          .image_bytes = row * static_cast<std::uint32_t>(height)};
 }
 
 const FormatRequest kWish{.width_px = 640, .height_px = 480};
@@ -54,13 +54,13 @@ TEST(ChooseFormat, TakesTheFormatThatIsAskedFor_OrNone) {
 TEST(ChooseFormat, RefusesRowsOrImagesThatAreTooShortForTheirSize) {
   OfferedFormat format = offer(V4L2_PIX_FMT_Y16, 2);
   EXPECT_TRUE(consistent(format));
-  format.row_octets -= 1;
+  format.row_bytes -= 1;
   EXPECT_FALSE(consistent(format));
   format = offer(V4L2_PIX_FMT_Y16, 2);
-  format.image_octets -= 1;
+  format.image_bytes -= 1;
   EXPECT_FALSE(consistent(format));
   format = offer(V4L2_PIX_FMT_GREY, 1);
-  format.image_octets = std::numeric_limits<std::uint32_t>::max();
+  format.image_bytes = std::numeric_limits<std::uint32_t>::max();
   EXPECT_FALSE(consistent(format));
   format = offer(V4L2_PIX_FMT_GREY, 1);
   format.width_px = -640;
@@ -72,11 +72,11 @@ TEST(ChooseFormat, RefusesRowsOrImagesThatAreTooShortForTheirSize) {
 }
 
 TEST(ChooseFormat, RowsOfPackedBitsEndWithAWholeGroup) {
-  EXPECT_EQ(row_octets_of(*find_packing("Y10P"), 640), 800U);
-  EXPECT_EQ(row_octets_of(*find_packing("Y10P"), 5), 10U);
-  EXPECT_EQ(row_octets_of(*find_packing("Y12P"), 640), 960U);
-  EXPECT_EQ(row_octets_of(*find_packing("NV12"), 640), 640U);
-  EXPECT_EQ(row_octets_of(*find_packing("BGR24"), 640), 1920U);
+  EXPECT_EQ(row_bytes_of(*find_packing("Y10P"), 640), 800U);
+  EXPECT_EQ(row_bytes_of(*find_packing("Y10P"), 5), 10U);
+  EXPECT_EQ(row_bytes_of(*find_packing("Y12P"), 640), 960U);
+  EXPECT_EQ(row_bytes_of(*find_packing("NV12"), 640), 640U);
+  EXPECT_EQ(row_bytes_of(*find_packing("BGR24"), 640), 1920U);
 }
 
 TEST(ChooseFormat, NothingOnOfferIsNothing) { EXPECT_FALSE(choose_format({}, kWish)); }
