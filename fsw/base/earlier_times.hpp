@@ -13,16 +13,15 @@ struct EarlierTimes {
 
 /// Ten time stamps in a row that rise among themselves are right. The later one before them was
 /// wrong: a clock jumped or a bit flipped.
-inline bool outvotes(std::int64_t time_ns, EarlierTimes* earlier) {
+inline bool outvotes(std::int64_t time_ns, EarlierTimes* times) {
   // No queue of a camera or a bus holds as many: frames delivered twice do not reach it.
   constexpr std::uint32_t kInARow = 10;
-  earlier->in_a_row =
-      earlier->in_a_row > 0 && time_ns > earlier->last_ns ? earlier->in_a_row + 1 : 1;
-  earlier->last_ns = time_ns;
-  if (earlier->in_a_row < kInARow) {
+  times->in_a_row = times->in_a_row > 0 && time_ns > times->last_ns ? times->in_a_row + 1 : 1;
+  times->last_ns = time_ns;
+  if (times->in_a_row < kInARow) {
     return false;
   }
-  *earlier = {};
+  *times = {};
   return true;
 }
 

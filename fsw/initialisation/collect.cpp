@@ -143,7 +143,7 @@ Collected collect_frame(const CollectibleFrame& frame,
   return collected;
 }
 
-bool wants_selection(const InitialisationOptions& options, const InitialisationState& state) {
+bool wants_selection(const InitialOptions& options, const InitialisationState& state) {
   // A further frame of many says little, and a selection among many takes long. Chosen: under
   // twelve frames each new one asks.
   constexpr int kPart = 12;
@@ -152,7 +152,7 @@ bool wants_selection(const InitialisationOptions& options, const InitialisationS
 }
 
 void pose_problem(const CameraModel& camera,
-                  const InitialisationOptions& options,
+                  const InitialOptions& options,
                   std::uint64_t seed,
                   InitialisationState* state,
                   InitialisationJob* job) {

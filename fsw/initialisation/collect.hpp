@@ -50,13 +50,13 @@ Collected collect_frame(const CollectibleFrame& frame,
                         RestingPlaces* resting);
 
 /// Is there enough that the last problem did not hold?
-bool wants_selection(const InitialisationOptions& options, const InitialisationState& state);
+bool wants_selection(const InitialOptions& options, const InitialisationState& state);
 
 /// The tracks so far as a problem for hypothesis selection. In turns of the newest frames, as many
 /// as enough tracks span, and of all frames: the former decide as soon as a body has turned enough
 /// under the same features, the latter where features last too short for that.
 void pose_problem(const CameraModel& camera,
-                  const InitialisationOptions& options,
+                  const InitialOptions& options,
                   std::uint64_t seed,
                   InitialisationState* state,
                   InitialisationJob* job);

@@ -19,7 +19,7 @@ struct InitialisationJob {
   std::array<Eigen::Matrix3d, limits::kInitialFrames> R_IC;
   std::array<InitialTrack, limits::kInitialTracks> tracks;
   std::uint64_t seed = 0;
-  InitialisationOptions options;
+  InitialOptions options;
   InitialImages images;
   AlignmentWorkspace alignment;
   InitialWorkspace workspace;

@@ -19,7 +19,7 @@ constexpr double kInlierRatioMin = 0.5;
 
 /// Most bodies are convex: the cue is evidence for one that is, and as much against one that is
 /// hollow. What it may add is bounded by what is known of bodies (decision 0107).
-double margin_needed(double convexity, const InitialisationOptions& options) {
+double margin_min(double convexity, const InitialOptions& options) {
   if (convexity >= kConvexityMin) {
     return options.chi2_gap_convexity;
   }
@@ -28,24 +28,21 @@ double margin_needed(double convexity, const InitialisationOptions& options) {
          (is_hollow ? options.chi2_gap_commit - options.chi2_gap_convexity : 0.0);
 }
 
-InitialDecision decide(const InitialOutcome& out,
-                       const InitialisationOptions& options,
-                       double noise_scale) {
-  if (out.inlier_ratio < kInlierRatioMin || noise_scale > kNoiseScaleMax) {
+InitialDecision decide(const InitialOutcome& out, const InitialOptions& options, double noise) {
+  if (out.inlier_ratio < kInlierRatioMin || noise > kNoiseScaleMax) {
     return InitialDecision::kNoHypothesis;
   }
   if (!(out.selection_depth_sigma < kDepthSigmaMax)) {
     return InitialDecision::kTooLittleMotion;
   }
-  return out.chi2_margin >= margin_needed(out.convexity, options)
-             ? InitialDecision::kCommit
-             : InitialDecision::kMarginTooSmall;
+  return out.chi2_margin >= margin_min(out.convexity, options) ? InitialDecision::kCommit
+                                                               : InitialDecision::kMarginTooSmall;
 }
 
 }  // namespace
 
 InitialOutcome select_hypothesis(const InitialProblem& problem,
-                                 const InitialisationOptions& options,
+                                 const InitialOptions& options,
                                  InitialWorkspace& workspace) {
   InitialOutcome out;
   if (!choose_selection_set(problem, &workspace.set)) {

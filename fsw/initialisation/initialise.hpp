@@ -11,7 +11,7 @@ namespace polhode {
 /// @cost bounded by counts: kSeeds short and eight long adjustments of limits::kSelectionTracks,
 /// one of all tracks. Deterministic in (problem, options).
 InitialOutcome select_hypothesis(const InitialProblem& problem,
-                                 const InitialisationOptions& options,
+                                 const InitialOptions& options,
                                  InitialWorkspace& workspace);
 
 }  // namespace polhode

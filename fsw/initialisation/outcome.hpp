@@ -72,9 +72,9 @@ struct InitialOutcome {
   HypothesisKind winner = HypothesisKind::kFivePoint;
   bool winner_reversed = false;  ///< the winner is the depth-reversed solution of its seed
   double chi2_margin = 0.0;      ///< cost margin to the best rival of different geometry, noise
-                             ///< re-scaled where chi2 exceeds 1
-  double reduced_chi2 = 0.0;  ///< robust
-  double rotation_rad = 0.0;  ///< largest rotation from the first posed frame
+                                 ///< re-scaled where chi2 exceeds 1
+  double reduced_chi2 = 0.0;     ///< robust
+  double rotation_rad = 0.0;     ///< largest rotation from the first posed frame
   double depth_sigma =
       0.0;  ///< median 1-sigma of the points along the first line of sight, in extents
   double selection_depth_sigma = 0.0;  ///< the same, of the cores' tracks alone

@@ -9,7 +9,7 @@ namespace polhode {
 /// Shared by all rounds.
 struct Selection {
   const InitialProblem& problem;
-  const InitialisationOptions& options;
+  const InitialOptions& options;
   InitialWorkspace& w;
   bool rotations_fixed = false;  ///< attitudes are those of a body that does not rotate
   double sigma_scale = 1.0;  ///< noise over the caller's sigma by the best hypothesis so far, >= 1

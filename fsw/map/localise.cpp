@@ -146,28 +146,27 @@ struct Agreement {
 /// Of a side that has come back, seen through the drift since, some landmark or other stands within
 /// the gate of a wrong feature (one in 16, in the smallest circle). Such ties hold the drift in
 /// place: an old side takes part where it agrees half as well as the young one, and beyond chance.
-bool drop_old_aspect_that_disagrees(const Map& map, LandmarkMatches* matches) {
+bool drop_old_face_that_disagrees(const Map& map, LandmarkMatches* matches) {
   constexpr std::ptrdiff_t kInliersMin = 8;  // of an aspect: with fewer the rule below is noise
   constexpr std::ptrdiff_t kYoungMin = 20;   // fewer are no measure
   constexpr double kChance = 1.0 / 16.0;     // of a wrong feature to fall within the gate
-  Agreement old_aspect;
+  Agreement old_face;
   Agreement young;
-  const auto is_of_old_aspect = [&](const LandmarkMatch& match) {
+  const auto is_of_old_face = [&](const LandmarkMatch& match) {
     return is_old(map.landmarks[match.landmark.index()], map);
   };
   for (const LandmarkMatch& match : *matches) {
-    Agreement& aspect = is_of_old_aspect(match) ? old_aspect : young;
-    ++aspect.matches;
-    aspect.inliers += match.inlier ? 1 : 0;
+    Agreement& face = is_of_old_face(match) ? old_face : young;
+    ++face.matches;
+    face.inliers += match.inlier ? 1 : 0;
   }
   const double part_min =
       std::max(2.0 * kChance, young.matches < kYoungMin ? 4.0 * kChance : 0.5 * young.part());
-  if (old_aspect.matches == 0 ||
-      (old_aspect.inliers >= kInliersMin && old_aspect.part() >= part_min)) {
+  if (old_face.matches == 0 || (old_face.inliers >= kInliersMin && old_face.part() >= part_min)) {
     return false;
   }
   matches->resize(static_cast<std::size_t>(
-      std::remove_if(matches->begin(), matches->end(), is_of_old_aspect) - matches->begin()));
+      std::remove_if(matches->begin(), matches->end(), is_of_old_face) - matches->begin()));
   return true;
 }
 
@@ -246,7 +245,7 @@ Result<bool> solve_matched(const LocaliseInput& input,
                            LocalisedFrame* out) {
   Result<bool> solved = solve_all(input, hint, scratch, out);
   if (solved && input.age == LandmarkAge::kAny &&
-      drop_old_aspect_that_disagrees(*input.map, &out->matches)) {
+      drop_old_face_that_disagrees(*input.map, &out->matches)) {
     solved = solve_all(input, hint, scratch, out);
   }
   return solved;

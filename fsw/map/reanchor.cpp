@@ -98,8 +98,7 @@ Eigen::Vector4d scale_and_origin(std::span<const ReanchorFrame> frames,
 
 }  // namespace
 
-Result<Reanchoring> reanchor_initial(std::span<const ReanchorFrame> frames,
-                                     const ReanchorBody& body) {
+Result<Reanchoring> reanchor_map(std::span<const ReanchorFrame> frames, const ReanchorBody& body) {
   constexpr std::size_t kFramesMin = 3;  // two leave a path without a check
   if (frames.size() < kFramesMin) {
     return ErrorCode::kTooFewObservations;

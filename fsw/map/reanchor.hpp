@@ -43,7 +43,6 @@ struct Reanchoring {
 /// centre, give or take as much.
 /// @errors TooFewObservations (under 3 frames), Degenerate (the radius is not positive, a sigma is
 /// not, the scale would be negative).
-Result<Reanchoring> reanchor_initial(std::span<const ReanchorFrame> frames,
-                                     const ReanchorBody& body);
+Result<Reanchoring> reanchor_map(std::span<const ReanchorFrame> frames, const ReanchorBody& body);
 
 }  // namespace polhode

@@ -16,11 +16,11 @@ constexpr int kLandmarksMin = 12;
 /// @return flags put right.
 template <typename Table>
 std::uint32_t repair_flags(Table* table) {
-  std::uint32_t repaired = 0;
+  std::uint32_t done = 0;
   for (auto& slot : *table) {
-    repaired += validity::repair(&slot.used) ? 1 : 0;
+    done += validity::repair(&slot.used) ? 1 : 0;
   }
-  return repaired;
+  return done;
 }
 
 template <typename Table>
@@ -99,7 +99,7 @@ std::uint32_t count_observations(Map* map) {
       }
     }
   }
-  std::uint32_t repaired = 0;
+  std::uint32_t done = 0;
   for (std::size_t i = 0; i < map->landmarks.size(); ++i) {
     Landmark& landmark = map->landmarks[i];
     if (!landmark.used || landmark.observations == counts[i]) {
@@ -107,13 +107,13 @@ std::uint32_t count_observations(Map* map) {
     }
     landmark.observations = counts[i];
     landmark.observations_changed = true;
-    ++repaired;
+    ++done;
     if (counts[i] < 2) {
       landmark.used = false;
       --map->landmark_count;
     }
   }
-  return repaired;
+  return done;
 }
 
 }  // namespace
@@ -122,30 +122,29 @@ Repair repair(const CameraModel& camera, std::int64_t now_ns, Map* map) {
   if (is_valid(*map, camera, now_ns)) {
     return {};
   }
-  Repair repaired{.entries = repair_flags(&map->keyframes) + repair_flags(&map->landmarks)};
+  Repair done{.entries = repair_flags(&map->keyframes) + repair_flags(&map->landmarks)};
   const bool counted = used_are_counted(map->keyframes, map->keyframe_count) &&
                        used_are_counted(map->landmarks, map->landmark_count);
   if (counted) {
-    repaired.entries += drop_keyframes(now_ns, map) + drop_landmarks(map);
-    repaired.entries += blank_features(camera, map) + drop_associations(map);
-    repaired.entries += count_observations(map);
-    repaired.entries += drop_associations(map);  // to landmarks that have just gone
+    done.entries += drop_keyframes(now_ns, map) + drop_landmarks(map);
+    done.entries += blank_features(camera, map) + drop_associations(map);
+    done.entries += count_observations(map);
+    done.entries += drop_associations(map);  // to landmarks that have just gone
     map->landmark_free_from = 0;
     if (map->keyframe_count >= kKeyframesMin && map->landmark_count >= kLandmarksMin) {
       refresh_landmarks(map, camera);
     }
-    repaired.entries =
-        std::max(repaired.entries, 1U);  // the extent, where nothing else was damaged
+    done.entries = std::max(done.entries, 1U);  // the extent, where nothing else was damaged
   }
-  repaired.reset = !counted || map->keyframe_count < kKeyframesMin ||
-                   map->landmark_count < kLandmarksMin || !is_valid(*map, camera, now_ns);
-  if (repaired.reset) {
+  done.reset = !counted || map->keyframe_count < kKeyframesMin ||
+               map->landmark_count < kLandmarksMin || !is_valid(*map, camera, now_ns);
+  if (done.reset) {
     clear(map);
     map->next_landmark_number = std::max(map->next_landmark_number, 0);
     map->centre_T.setZero();
     map->radius_mu = 0.0;
   }
-  return repaired;
+  return done;
 }
 
 }  // namespace polhode

@@ -194,12 +194,12 @@ bool find_about_inconsistent(const MapInput& input, const ExpectedPose& expected
 
 bool overrule_motion(const MapInput& input,
                      const ExpectedPose& expected,
-                     bool found_with_prior,
+                     bool by_prior,
                      MapState* s) {
   const LocalisedFrame& best = s->scratch.other;
   if (best.absolute.inliers < kInliersAlone || is_thin(best, *s) || !tried_prior(expected) ||
       !within_reach(expected, best.absolute, s->moved_rad) ||
-      !outnumbers(best.absolute.inliers, found_with_prior ? s->localised.absolute.inliers : 0)) {
+      !outnumbers(best.absolute.inliers, by_prior ? s->localised.absolute.inliers : 0)) {
     return false;
   }
   take_matches(localise_input(input, s->map), best, &s->scratch.localise, &s->localised);
@@ -232,10 +232,9 @@ bool recognise_frame(const MapInput& input, MapState* s) {
     return done && agrees(s->localised, input.localise->inliers_min);
   };
   const bool goes_on = last.frames > 0 && input.frame - last.frame <= kGapMax;
-  const bool found_again = agreed(recognise(localise, &s->scratch.localise, &s->localised));
-  if (!found_again &&
-      !(goes_on &&
-        agreed(localise_roughly(localise, last.pose, &s->scratch.localise, &s->localised)))) {
+  const bool again = agreed(recognise(localise, &s->scratch.localise, &s->localised));
+  if (!again && !(goes_on && agreed(localise_roughly(
+                                 localise, last.pose, &s->scratch.localise, &s->localised)))) {
     return false;
   }
   const bool same = goes_on && is_same_side(s->localised.absolute.pose, last.pose);

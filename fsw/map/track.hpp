@@ -51,7 +51,7 @@ bool find_with_prior(const MapInput& input, const ExpectedPose& expected, MapSta
 /// @param held  it has.
 bool overrule_motion(const MapInput& input,
                      const ExpectedPose& expected,
-                     bool found_with_prior,
+                     bool by_prior,
                      MapState* state);
 
 /// By descriptors alone, over all keyframes.

@@ -32,27 +32,26 @@ Repair repair(std::int64_t now_ns, MotionEstimate* motion) {
   if (is_valid(*motion, now_ns)) {
     return {};
   }
-  Repair repaired{.entries =
-                      drop_poses(now_ns, &motion->recent) + drop_poses(now_ns, &motion->past)};
-  if (repaired.entries > 0) {
+  Repair done{.entries = drop_poses(now_ns, &motion->recent) + drop_poses(now_ns, &motion->past)};
+  if (done.entries > 0) {
     pass_over_pose(motion);  // which of them had departed is not known any more
   }
   if (!is_valid_of_repeats(*motion, now_ns)) {
     forget_seen(motion);
-    ++repaired.entries;
+    ++done.entries;
   }
   if (!is_valid(motion->model, now_ns)) {
     replace_model({}, motion);
-    ++repaired.entries;
+    ++done.entries;
   }
   if (!is_valid(*motion, now_ns)) {
     reset_poses(motion);
     motion->R_IC.setIdentity();
     motion->observer_known = false;
     motion->departures = 0;
-    repaired.reset = true;
+    done.reset = true;
   }
-  return repaired;
+  return done;
 }
 
 }  // namespace polhode

@@ -108,7 +108,7 @@ void begin_again(Component::State* s) {
                        s->motion,
                        mapping.drift,
                        parameters.motion);
-  const Result<Reanchoring> found = reanchor_initial(
+  const Result<Reanchoring> found = reanchor_map(
       frames.view(), {.centre_T = mapping.map.centre_T, .radius_mu = mapping.map.radius_mu});
   ++s->counters.restarts;
   const bool doubted = s->motion.departures > 0;

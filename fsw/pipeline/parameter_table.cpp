@@ -369,7 +369,7 @@ std::optional<Error> check_without_camera(const Parameters& parameters) {
   if (auto problem = check_section(parameters, false)) {
     return problem;
   }
-  const InitialisationOptions& start = parameters.start;
+  const InitialOptions& start = parameters.start;
   if (start.chi2_gap_convexity > start.chi2_gap_commit) {
     return bad("start.chi2_gap_convexity = " + text_of(start.chi2_gap_convexity) +
                ": out of range, allowed 4.0 .. " + text_of(start.chi2_gap_commit) +

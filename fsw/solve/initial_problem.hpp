@@ -67,8 +67,7 @@ struct InitialFit {
 
 /// Linearised system, kept by the caller because of its size.
 struct InitialAdjustmentWorkspace {
-  static constexpr std::size_t kInitialObservations =
-      12000;  // 1500 tracks in 8 frames, or 375 in 32
+  static constexpr std::size_t kInitialObservations = 12000;  // 1500 tracks x 8 frames, 375 x 32
   static constexpr int kCameraParameters =
       6 * static_cast<int>(limits::kInitialFrames);  // (phi, uvs)
 

@@ -88,7 +88,7 @@ Decidability decide_by_truth(const InitialProblem& problem,
   if (!normalise_gauge(truth.view())) {
     return out;
   }
-  const InitialisationOptions options;  // no refinement asks for them
+  const InitialOptions options;  // no refinement asks for them
   Selection selection{.problem = problem, .options = options, .w = *workspace};
   // The poses are true; a track's place rests on its noisy images, and settles with them.
   InitialHypothesis settled = truth;

@@ -54,7 +54,7 @@ std::map<std::int64_t, double> turns_deg(const std::map<std::int64_t, Pose>& tru
 /// The better of the two selections that the component alternates between.
 std::optional<Row> judge(const std::map<std::int64_t, Pose>& truth,
                          const CameraModel& camera,
-                         const InitialisationOptions& options,
+                         const InitialOptions& options,
                          InitialisationState* tracks,
                          InitialisationJob* job) {
   std::optional<Row> best;
@@ -83,7 +83,7 @@ std::vector<Row> follow(const std::string& config,
                         const platform::Sequence& sequence,
                         const std::map<std::int64_t, Pose>& truth,
                         Parameters parameters) {
-  const InitialisationOptions options = parameters.start;
+  const InitialOptions options = parameters.start;
   // Jobs are handed out, and come back without a result: no map ever begins, and tracks go on.
   parameters.jobs.delay_frames = 1;
   parameters.camera = sequence.camera;

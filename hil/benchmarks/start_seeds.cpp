@@ -81,7 +81,7 @@ int main(int argc, char** argv) {
       const std::clock_t begin = std::clock();
       const InitialOutcome out =
           select_hypothesis({.times_s = s.motion.times_s, .tracks = tracks, .seed = seed},
-                            InitialisationOptions{},
+                            InitialOptions{},
                             *workspace);
       const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
       tally.seconds += seconds;

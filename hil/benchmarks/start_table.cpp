@@ -63,7 +63,7 @@ Cell run_cell(double alpha_deg,
     const InitialProblem problem{
         .times_s = trial.motion.times_s, .tracks = tracks, .seed = seed, .kinds = kinds};
     const std::clock_t begin = std::clock();
-    const InitialOutcome out = select_hypothesis(problem, InitialisationOptions{}, *workspace);
+    const InitialOutcome out = select_hypothesis(problem, InitialOptions{}, *workspace);
     cell.seconds += static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
     const bool right = synthetic::compare_start(out, trial.tracks, trial.motion).right();
     cell.right += right ? 1 : 0;

@@ -45,9 +45,8 @@ InitialScenario passing_box(const Passage& passage, std::uint64_t seed) {
 InitialOutcome run(const InitialScenario& s, std::uint64_t seed) {
   static const auto workspace = std::make_unique<InitialWorkspace>();
   const std::vector<InitialTrack> tracks = synthetic::to_start_tracks(s.tracks, s.sigma_normalised);
-  return select_hypothesis({.times_s = s.motion.times_s, .tracks = tracks, .seed = seed},
-                           InitialisationOptions{},
-                           *workspace);
+  return select_hypothesis(
+      {.times_s = s.motion.times_s, .tracks = tracks, .seed = seed}, InitialOptions{}, *workspace);
 }
 
 /// Starts that hold a body still, of those that find a geometry at all.

@@ -285,7 +285,7 @@ TEST_F(PoseProblem, SaysThatAFeatureIsLessSure_TheMoreItsLookHasChanged) {
 }
 
 TEST_F(PoseProblem, IsWantedWithEveryFrame_AndMoreSeldomWithMany) {
-  const InitialisationOptions options{.frames_min = 5};
+  const InitialOptions options{.frames_min = 5};
   const auto wanted_after = [&] {
     int since = 0;
     for (state_->since_asked = 0; !wants_selection(options, *state_); ++state_->since_asked) {

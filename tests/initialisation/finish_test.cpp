@@ -27,7 +27,7 @@ struct Start {
   synthetic::Motion motion;
   std::vector<synthetic::Track> truth;
   std::vector<InitialTrack> tracks;
-  InitialisationOptions options;
+  InitialOptions options;
 
   explicit Start(std::uint64_t seed,
                  int points = 260,

@@ -26,9 +26,8 @@ InitialWorkspace& workspace() {
 
 InitialOutcome run(const InitialScenario& s, std::uint64_t seed) {
   const std::vector<InitialTrack> tracks = to_start_tracks(s.tracks, s.sigma_normalised);
-  return select_hypothesis({.times_s = s.motion.times_s, .tracks = tracks, .seed = seed},
-                           InitialisationOptions{},
-                           workspace());
+  return select_hypothesis(
+      {.times_s = s.motion.times_s, .tracks = tracks, .seed = seed}, InitialOptions{}, workspace());
 }
 
 struct View {
