@@ -30,8 +30,8 @@ inline bool is_bool(const bool& value) {
   return byte <= 1;
 }
 
-/// A flag of which another bit than its lowest was hit is what its lowest bit says.
-/// @return whether it was put right.
+/// Restores a flag of which a bit other than the lowest has flipped: the lowest bit is its value.
+/// @return whether it was repaired.
 inline bool repair(bool* value) {
   std::uint8_t byte = 0;
   std::memcpy(&byte, value, sizeof byte);

@@ -29,7 +29,7 @@ using Tone = std::array<float, 256>;
 /// For a camera whose gray level is light to the power 1 / gamma.
 Tone light_of_gray(double gamma);
 
-/// The last rows of the region asked for, in light.
+/// The last rows of the requested region, as light.
 struct TonedRows {
   static constexpr std::size_t kRows = kCubicTaps;  // those of an enlarged row
   std::array<int, kRows> y{};

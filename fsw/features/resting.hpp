@@ -28,8 +28,8 @@ void add_place(float u_px, float v_px, RestingPlaces* resting);
 /// Is the pixel one of the places?
 [[nodiscard]] bool is_resting(float u_px, float v_px, const RestingPlaces& resting);
 
-/// Removes the features whose descriptor takes in one of the places. A place at which most images
-/// have no feature is forgotten: what rested there has gone, or it was the body's axis.
+/// Removes the features whose descriptor covers one of the places. A place at which most images
+/// have no feature is dropped: the resting object has gone, or it was the body's axis.
 void leave_out_resting(RestingPlaces* resting, Features* features);
 
 /// Whether sizes and credits are such as they are made, as long as no bit has flipped in memory.

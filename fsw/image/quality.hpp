@@ -105,7 +105,7 @@ FrameVerdict assess_quality(const ImageQuality& quality,
                             const ImageOptions& options,
                             QualityHistory* history);
 
-/// Measures, judges, remembers.
+/// Measures a frame, decides on it, and adds it to the history.
 FrameVerdict assess(const cv::Mat& gray, const ImageOptions& options, QualityHistory* history);
 
 }  // namespace polhode

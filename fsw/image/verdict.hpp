@@ -27,8 +27,8 @@ struct FrameVerdict {
   FrameFault fault = FrameFault::kNone;  ///< the one decided on: of the gravest found the first, in
                                          ///< the order of precedence
   std::uint16_t faults = 0;              ///< bit n: FrameFault n was found
-  float measure = 0.0F;                  ///< what the fault was judged by
-  float limit = 0.0F;                    ///< what it was compared with
+  float measure = 0.0F;                  ///< value that the fault was decided by
+  float limit = 0.0F;                    ///< that `measure` was compared with
 };
 
 }  // namespace polhode

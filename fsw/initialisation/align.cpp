@@ -59,7 +59,8 @@ std::optional<Spot> find_again(const Crop& crop,
   return is_near ? std::optional(spot) : std::nullopt;
 }
 
-/// The observation, moved to where the middle view is found; as it is where that says less.
+/// The observation, moved to where the middle view is found; unchanged where the alignment is less
+/// certain than the detection.
 std::optional<InitialObservation> aligned(const Alignment& a,
                                           const InitialObservation& detected,
                                           const PatchTemplate& patch) {

@@ -84,7 +84,8 @@ Eigen::Vector3d step_of_rate(const Selection& c,
   return step.allFinite() ? Eigen::Vector3d(-step.head<3>()) : Eigen::Vector3d::Zero();
 }
 
-/// Lowest cost of a body that rotates steadily; `steady` comes at rest, and becomes it.
+/// Lowest cost of a body that rotates at a constant rate. @param steady  in: the body at rest; out:
+/// the rotating one.
 double cost_of_steady(const Selection& free, const Selection& held, InitialHypothesis* steady) {
   constexpr int kSteps = 4;  // each is followed by a whole adjustment; two or three settle
   InitialHypothesis& trial = free.w.finalists[0];

@@ -51,7 +51,7 @@ ImageChange change_since(const CollectedFrame& before,
   return change;
 }
 
-/// Is the frame different enough from the last collected one to tell something about depth?
+/// Is the frame different enough from the last collected one to constrain depth?
 bool worth_collecting(const Features& features, double ratio_max, TrackTable* tracks) {
   if (tracks->frames.empty()) {
     return true;
@@ -144,8 +144,8 @@ Collected collect_frame(const CollectibleFrame& frame,
 }
 
 bool wants_selection(const InitialOptions& options, const InitialisationState& state) {
-  // A further frame of many says little, and a selection among many takes long. Chosen: under
-  // twelve frames each new one asks.
+  // One more frame of many adds little, and a selection over many takes long. Chosen: with fewer
+  // than twelve frames each new one requests a selection.
   constexpr int kPart = 12;
   const auto frames = static_cast<int>(state.tracks.frames.size());
   return frames >= options.frames_min && state.since_asked > frames / kPart;

@@ -1,4 +1,4 @@
-// Which frames are kept before there is a map, and what they are asked.
+// Frames that are kept before there is a map, and the problem that is posed from them.
 #pragma once
 
 #include <Eigen/Core>
@@ -33,14 +33,14 @@ struct CollectibleFrame {
   const Features* features = nullptr;
 };
 
-/// What came of a frame.
+/// Result of collect_frame().
 struct Collected {
   bool kept = false;
   std::uint32_t tables_full = 0;  ///< tracks that found no place
 };
 
-/// Keeps a frame that tells something about depth beyond the last one kept; drops older ones that
-/// it is not connected to.
+/// Keeps a frame that adds parallax or rotation to the last one kept; drops older frames that share
+/// no tracks with it.
 /// @param ratio_max  of descriptors' distances, best to second best.
 /// @param resting  takes the places of what stays in the image while the body turns.
 Collected collect_frame(const CollectibleFrame& frame,
@@ -49,12 +49,12 @@ Collected collect_frame(const CollectibleFrame& frame,
                         InitialisationState* state,
                         RestingPlaces* resting);
 
-/// Is there enough that the last problem did not hold?
+/// Are there enough frames that the last problem did not contain?
 bool wants_selection(const InitialOptions& options, const InitialisationState& state);
 
-/// The tracks so far as a problem for hypothesis selection. In turns of the newest frames, as many
-/// as enough tracks span, and of all frames: the former decide as soon as a body has turned enough
-/// under the same features, the latter where features last too short for that.
+/// Poses the tracks so far as a problem for hypothesis selection. Alternates between two choices.
+/// The newest frames that enough tracks span decide as soon as the body has rotated enough under
+/// the same features. All frames decide where no feature lasts that long.
 void pose_problem(const CameraModel& camera,
                   const InitialOptions& options,
                   std::uint64_t seed,

@@ -203,9 +203,9 @@ void add_frame_quotas(const InitialProblem& problem, SelectionSet* set) {
   }
 }
 
-/// Up to limits::kSelectionTracks: all others that say something about depth, the longest first.
+/// Up to limits::kSelectionTracks: all other tracks that constrain depth, the longest first.
 void add_longest(const InitialProblem& problem, SelectionSet* set) {
-  // Two images of a spot agree with either depth sign: the third is the first to tell.
+  // Two images of a spot agree with either depth sign: the third is the first to decide.
   constexpr std::size_t kImagesMin = 3;
   const Taken taken = list_taken(problem, *set);
   std::size_t observations = 0;

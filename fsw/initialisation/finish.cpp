@@ -125,8 +125,7 @@ void adjust_all_tracks(const Selection& c, InitialOutcome* out) {
   std::iota(all.begin(), all.end(), 0);
   out->depth_sigma = median_depth_sigma(c, all);
   // The cores' tracks are the longest, and decide on the geometry. On a body that rotates fast most
-  // other tracks last three or four frames and know little of their own depth
-  // (decision 0031).
+  // other tracks last three or four frames and have uncertain depths (decision 0031).
   FixedVector<int, 2 * kCoreTracks> in_cores;
   for (const InitialCore& core : c.w.set.cores) {
     for (const int track : core.tracks) {

@@ -18,7 +18,7 @@ struct SeedProblem {
   std::uint32_t kinds = kAllKinds;
 };
 
-/// Hypotheses of each kind asked for, posed in the core's frames, with the core's tracks known.
+/// Hypotheses of each requested kind, with the poses of the core's frames and the core's points.
 void seed_hypotheses(const SeedProblem& problem, InitialHypotheses* seeds);
 
 /// Same geometry: the median point differs by `tolerance` extents at most, and rotations between

@@ -18,8 +18,8 @@ inline constexpr std::size_t kHypothesisKinds = 4;  // of the enumeration above
 constexpr std::uint32_t kind_bit(HypothesisKind kind) { return 1U << static_cast<unsigned>(kind); }
 inline constexpr std::uint32_t kAllKinds = (1U << kHypothesisKinds) - 1U;  // one bit a kind
 
-/// Tracks and frames of a core, in which every frame observes every track. Chosen: 80 fix a
-/// geometry well enough to tell families apart; 10 frames bound the time of the seeds.
+/// Tracks and frames of a core, in which every frame observes every track. Chosen: 80 tracks
+/// separate families of hypotheses; 10 frames bound the time of the seeds.
 inline constexpr std::size_t kCoreTracks = 80;
 inline constexpr std::size_t kCoreFrames = 10;
 /// The first tracks, on which a hypothesis is extended from its core to all frames: both cores' and

@@ -17,8 +17,8 @@ constexpr double kDepthSigmaMax = 0.06;
 // wrong hypotheses that explain half of the observations.
 constexpr double kInlierRatioMin = 0.5;
 
-/// Most bodies are convex: the cue is evidence for one that is, and as much against one that is
-/// hollow. What it may add is bounded by what is known of bodies (decision 0107).
+/// Cost margin that a commitment needs. Most bodies are convex, so the cue supports a convex
+/// hypothesis and counts as much against a hollow one. Its weight is bounded (decision 0107).
 double margin_min(double convexity, const InitialOptions& options) {
   if (convexity >= kConvexityMin) {
     return options.chi2_gap_convexity;

@@ -41,7 +41,8 @@ LocalMotion median_shift(const Correspondences& list) {
 }
 
 std::optional<LocalMotion> fit(const Correspondences& list) {
-  // One pixel squared towards no change: neighbours in a line say nothing of what lies across it.
+  // A weak prior towards no change, of one pixel squared: neighbours on a line do not constrain the
+  // direction across it.
   Eigen::Matrix3d H = Eigen::Vector3d(1.0, 1.0, 0.0).asDiagonal();
   Eigen::Matrix<double, 3, 2> g = Eigen::Matrix<double, 3, 2>::Identity();
   std::size_t count = 0;

@@ -9,7 +9,7 @@ namespace polhode {
 /// What a keyframe has brought.
 struct Growth {
   KeyframeId keyframe;      ///< invalid: there was no room
-  bool loop_found = false;  ///< an aspect has come back: an adjustment of all keyframes is due
+  bool loop_found = false;  ///< loop closure: an adjustment of all keyframes is due
 };
 
 /// Should this frame become a keyframe?

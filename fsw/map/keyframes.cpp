@@ -45,9 +45,9 @@ double nearest_view_cosine(std::size_t slot, const Map& map) {
   return best;
 }
 
-/// Close together while there is room: features of one place that are seen anew are as good as
-/// other ones, and a young map's depths wait for them. In the second half of the table each takes
-/// the place of a view that will be wanted.
+/// Rotation between keyframes. Small while there is room: repeated observations of one place
+/// improve the depths of a young map. Twice that in the second half of the table, to leave room
+/// for aspects not yet seen.
 double spacing_rad(const Map& map, const MapOptions& options) {
   const bool much_room = 2 * map.keyframe_count < options.keyframes_max;
   return (much_room ? 1.0 : 2.0) * options.keyframe_rotation_min_rad;
@@ -88,8 +88,8 @@ KeyframeId most_redundant(const Map& map) {
     if (closeness < kAlone) {
       continue;
     }
-    // Coverage of the view sphere breaks ties: among equals the one with the nearest neighbour
-    // goes.
+    // Among equally redundant keyframes the one with the nearest neighbour goes: the rest cover the
+    // view sphere more evenly.
     const double merit = redundancy(keyframe, map) + 0.01 * closeness;
     if (merit > highest) {
       highest = merit;

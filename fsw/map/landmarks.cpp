@@ -14,11 +14,11 @@
 namespace polhode {
 namespace {
 
-// Gate of new pairs about their epipolar line. The line has the drift between the two keyframes in
-// it, and a gate as narrow as the noise takes only those pairs whose errors agree with that drift:
-// the map then holds it for ever. At twice that it does so half as much; the adjustment judges who
-// is wrong, as nearly a tenth of the pairs' errors are beyond 3 sigma. For two views chi-square has
-// one degree of freedom.
+// Gate of new pairs about their epipolar line. The line contains the drift between the two
+// keyframes. A gate as narrow as the noise accepts only pairs whose errors agree with that drift,
+// which fixes the drift in the map. Twice that gate halves the effect; the adjustment then rejects
+// wrong pairs, nearly a tenth of which are beyond 3 sigma. For two views chi-square has one degree
+// of freedom.
 constexpr double kLineSigma = 6.0;
 constexpr double kChi2Pair = kLineSigma * kLineSigma;
 constexpr double kObservationSigma =
@@ -36,9 +36,9 @@ double view_angle_rad(const Pose& a, const Pose& b, const Eigen::Vector3d& centr
   return std::acos(std::clamp(to_a.dot(to_b), -1.0, 1.0));
 }
 
-/// Have the two been adjusted against each other? Those of one stretch of time have, and those that
-/// a closed loop has tied. Between others stands the drift, and a match along an epipolar line that
-/// is off by it is a match by chance.
+/// Have the two been adjusted against each other? True of neighbours in time, and of keyframes that
+/// a loop closure connects. Between others the epipolar line is off by the drift, and a match along
+/// it is a match by chance.
 bool connected(const Keyframe& a, const Keyframe& b) {
   // A pose from fewer common landmarks is off by more than a line's gate. Chosen.
   constexpr int kSharedMin = 15;
@@ -119,7 +119,7 @@ void list_free(const Keyframe& keyframe,
   }
 }
 
-/// What a search along lines asks of each free feature of the partner first.
+/// Fills the table that a search along lines reads for each free feature of the partner.
 void prepare_lines(const Keyframe& partner,
                    const Eigen::Matrix3d& E,
                    double focal_px,

@@ -143,9 +143,9 @@ struct Agreement {
   }
 };
 
-/// Of a side that has come back, seen through the drift since, some landmark or other stands within
-/// the gate of a wrong feature (one in 16, in the smallest circle). Such ties hold the drift in
-/// place: an old side takes part where it agrees half as well as the young one, and beyond chance.
+/// Drops the matches of a revisited aspect unless they agree half as well as those of the young
+/// one, and beyond chance. With the drift since, a landmark projects into the gate of a wrong
+/// feature by chance (one in 16, in the smallest circle). Such matches would fix the drift.
 bool drop_old_face_that_disagrees(const Map& map, LandmarkMatches* matches) {
   constexpr std::ptrdiff_t kInliersMin = 8;  // of an aspect: with fewer the rule below is noise
   constexpr std::ptrdiff_t kYoungMin = 20;   // fewer are no measure
@@ -186,7 +186,7 @@ void match_about(const LocaliseInput& input,
                  LocaliseScratch* scratch,
                  LocalisedFrame* out) {
   scratch->grid.build(input.features->view(), input.camera->width_px, input.camera->height_px);
-  // One feature to one landmark: of several that want it the nearest in appearance gets it.
+  // One feature to one landmark: of several candidates the nearest in appearance is matched.
   scratch->landmark_of_feature.fill(-1);
   scratch->distance_of_feature.fill(std::numeric_limits<std::int32_t>::max());
   const double ratio2 = input.ratio_max * input.ratio_max;

@@ -36,7 +36,7 @@ struct LandmarkView {
 struct Landmark {
   static constexpr std::size_t kViews = 3;  ///< its range of view in steps that SIFT still matches
 
-  // What is asked of all landmarks in every frame comes first: it is together in memory.
+  // Members that are read of all landmarks in every frame come first, together in memory.
   bool used = false;
   std::int32_t number = -1;       ///< never used twice in a run
   std::int32_t observations = 0;  ///< in keyframes
@@ -94,7 +94,7 @@ void remove_keyframe(KeyframeId id, Map* map);
 /// The keyframe of that time goes, where there is one: its image is of another time.
 void withdraw_keyframe(std::int64_t timestamp_ns, Map* map);
 
-/// Ties feature `feature` of a keyframe to a landmark; the feature must be free.
+/// Associates feature `feature` of a keyframe with a landmark; the feature must be free.
 void add_observation(KeyframeId keyframe, std::size_t feature, LandmarkId landmark, Map* map);
 void remove_observation(KeyframeId keyframe, std::size_t feature, Map* map);
 

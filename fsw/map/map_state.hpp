@@ -66,9 +66,9 @@ struct MapState {
   Pyramid pyramid;                  ///< of this frame, once it is followed
   LocalisedFrame localised;         ///< this frame's pose and matches
   bool pose_valid = false;          ///< this frame has a pose
-  bool pose_updates_motion = true;  ///< not mostly what the motion expects, nor the last one again
+  bool pose_updates_motion = true;  ///< false: mostly the motion's prior, or a repeated pose
   PoseCovariance inconsistency =
-      PoseCovariance::Zero();  ///< of a pose that departs from the motion, or repeats: by how much
+      PoseCovariance::Zero();  ///< squared innovation of a suspect or repeated pose
   PosesBefore before;
   GrowthWaiting growth;
   LastAdjustment last_adjustment_of_all;

@@ -46,8 +46,8 @@ void check_attitudes(std::span<const ReanchorFrame> frames, Reanchoring* reancho
   // Of the start's turn, 1-sigma: a start is committed where its depths, and with them its turn,
   // are known this well (decision 0067).
   constexpr double kTurnPart = 0.06;
-  // A phase that is off by this is within a half turn to three sigma; by more it says nothing of
-  // where T is, however well a rate is known that brought it there.
+  // With this phase error three sigma are within a half turn. A larger one does not constrain T,
+  // however accurate the rate is.
   constexpr double kPhaseKnown_rad = 1.0;
   // What changes evenly has an RMS of 1 / sqrt(12) of it about its mean; 99.7 % of three numbers
   // lie within 3.8 sigma.

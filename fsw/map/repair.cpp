@@ -60,7 +60,7 @@ std::uint32_t drop_landmarks(Map* map) {
   return dropped;
 }
 
-/// A feature keeps its place, by which others know it, but is that of a black corner.
+/// Blanks damaged features in place, as indices refer to them.
 std::uint32_t blank_features(const CameraModel& camera, Map* map) {
   const Feature blank{.normalised = undistort(camera, Eigen::Vector2d::Zero())};
   std::uint32_t blanked = 0;

@@ -1,4 +1,4 @@
-// A map whose memory was hit by bit flips goes on with what is sound of it.
+// Repair of a map whose memory was hit by bit flips: its valid parts are kept.
 #pragma once
 
 #include <cstdint>
@@ -9,9 +9,9 @@
 
 namespace polhode {
 
-/// Nothing happens to a sound map. Of another one, keyframes, landmarks, ties and features that are
-/// not sound are dropped, and what follows from the rest is computed anew. Where the counts of
-/// slots do not fit, or too little is left to find a pose by, the map is cleared.
+/// Leaves a valid map unchanged. Otherwise drops invalid keyframes, landmarks, associations and
+/// features, and computes the derived values again. Clears the map where the counts of slots do not
+/// fit, or too little is left for a pose.
 /// @cost  is_valid(), and once or twice that for a damaged one.
 Repair repair(const CameraModel& camera, std::int64_t now_ns, Map* map);
 

@@ -24,15 +24,15 @@ Vector6 difference(const Pose& to, const Pose& from) {
 
 constexpr double kDepthError = 0.05;  // of a map's depths: some percent
 
-/// Fewer poses than that have checked the motion. @param initialisation_checks  the
-/// initialisation's poses among them.
+/// Fewer than kPosesTried poses have checked the motion.
+/// @param initialisation_checks  the initialisation's poses count, too.
 bool is_young(const ExpectedPose& expected, bool initialisation_checks) {
   return expected.prediction.rotation_poses < kPosesTried ||
          (!initialisation_checks && expected.poses_since_start < kPosesTried);
 }
 
-/// Most keyframes are never followed, and most frames not by flow: pyramids are built for those
-/// that are.
+/// Builds the pyramids where they are missing. Most keyframes and frames are never followed by
+/// flow, so they are not built in advance.
 void ensure_pyramids(const cv::Mat& gray, MapState* s) {
   if (!s->reference.pyramid.built) {
     build_pyramid(s->reference.gray, &s->reference.pyramid);
@@ -41,24 +41,24 @@ void ensure_pyramids(const cv::Mat& gray, MapState* s) {
 }
 
 /// Enough inliers beyond chance. A mismatch within the smallest circle (4 px) falls within 4 sigma
-/// (1 px) of its landmark by chance one time in 16; twice that many are beyond chance. How many
-/// landmarks should be seen says less: a map holds more of them than a frame has features.
+/// (1 px) of its landmark by chance one time in 16; twice that many are beyond chance. The number
+/// of landmarks that should be seen is no measure: a map has more of them than a frame features.
 bool agrees(const LocalisedFrame& localised, int inliers_min) {
   constexpr int kByChance = 16 / 2;  // twice one in 16
   return localised.absolute.inliers >=
          inliers_min + static_cast<int>(localised.matches.size()) / kByChance;
 }
 
-/// So many inliers, and so little else, that the pose is accepted without the motion. Foil that
-/// stays where it is while the body turns carried wrong poses with half of the matches; right ones
-/// on textured bodies have two thirds and more.
+/// Enough inliers, and few enough outliers, for a pose without the motion prior. Reflections in
+/// foil that stay in place while the body rotates have supported wrong poses with half of the
+/// matches; right poses on textured bodies have two thirds and more.
 bool certain(const LocalisedFrame& localised) {
   return localised.absolute.inliers >= kInliersAlone &&
          5 * localised.absolute.inliers >= 3 * static_cast<int>(localised.matches.size());
 }
 
-/// A pose with under half the inliers of the last one. About a wrong prediction some agree with a
-/// pose that lags behind the body, and where the light has changed it is all that there is.
+/// A pose with under half the inliers of the last one. About a wrong prediction some matches agree
+/// with a pose that lags behind the body. After a change of light even the right pose has no more.
 bool is_thin(const LocalisedFrame& localised, const MapState& s) {
   return 2 * localised.absolute.inliers < s.before.inliers;
 }
@@ -69,9 +69,9 @@ double sigma_between(const PoseCovariance& one, const PoseCovariance& other) {
                    other.topLeftCorner<3, 3>().diagonal().maxCoeff());
 }
 
-/// Is it within what a contact makes of one step? It changes a body's rate, not its attitude: one
-/// that is stopped, reversed or made three times as fast is off by two steps. A motion that has
-/// hardly been checked rules out nothing.
+/// Could a contact within the last step explain the pose? It changes a body's rate, not its
+/// attitude: a body stopped, reversed or made three times as fast is off by up to two steps. A
+/// motion that has hardly been checked rules out nothing.
 bool within_steps(const ExpectedPose& expected, const AbsolutePose& found, double moved_rad) {
   constexpr double kSteps = 2.0;  // from one step on to one step back
   const double bound_rad = (kSteps + kDepthError) * expected.step_rad +
@@ -90,8 +90,8 @@ bool within_reach(const ExpectedPose& expected, const AbsolutePose& found, doubl
          rotation_angle_rad(found.pose.R_CT, expected.prediction.pose.R_CT) < kPushed_rad;
 }
 
-/// The prediction with what the map's depth error makes of the step, where it says enough of which
-/// feature is which.
+/// The prediction, widened by the map's depth error times the step; nothing where its attitude is
+/// too uncertain for matching.
 std::optional<PosePrediction> tried_prior(const ExpectedPose& expected) {
   PosePrediction prior = expected.prediction;
   // A map's depth is known to some percent, which falsifies a step by as much (plausible()).
@@ -170,8 +170,8 @@ bool find_about(const MapInput& input, const ExpectedPose& expected, MapState* s
       if (fits && !is_thin(s->localised, *s)) {
         return true;
       }
-      // Of two that the motion bears out, or that it does not, the one with more inliers. Against
-      // it more by chance are not enough.
+      // Prefer candidates consistent with the predicted motion; among equals, the one with more
+      // inliers. An inconsistent one wins only with more inliers beyond chance.
       const int inliers = s->localised.absolute.inliers;
       const bool better = fits == best_believable ? inliers > best.absolute.inliers
                           : fits                  ? !outnumbers(best.absolute.inliers, inliers)
@@ -224,7 +224,7 @@ bool relocalise_frame(const MapInput& input, MapState* s) {
 }
 
 bool recognise_frame(const MapInput& input, MapState* s) {
-  constexpr int kFramesMin = 3;         // that show the same side
+  constexpr int kFramesMin = 3;         // with the same aspect
   constexpr std::uint32_t kGapMax = 3;  // frames: after them it has turned too far
   const LocaliseInput localise = localise_input(input, s->map);
   RecognisedPose& last = s->before.recognised;

@@ -24,15 +24,16 @@ MapUpdate take_adjusted(const AdjustmentSnapshot& snapshot,
 /// A flow reference that is later than the adjusted keyframes moves along with them.
 void correct_reference(const MapCorrection& correction, MapState* state);
 
-/// A keyframe has been moved: the flow reference and this frame's pose are its own where they were.
-/// @param frame  this one. @return it is this frame's keyframe.
+/// Copies a moved keyframe's pose to the flow reference and to this frame, where they are of the
+/// same image.
+/// @param frame  this one. @return whether this frame is the keyframe.
 bool follow_keyframe(const Keyframe& keyframe, std::uint32_t frame, MapState* state);
 
 /// Landmarks and matches after the map has changed.
 void refresh_map(const CameraModel& camera, MapState* state);
 
-/// The pose and the matches of this frame, or of an earlier one that became this keyframe, solved
-/// anew from the keyframe's observations; in `localised`.
+/// Solves again, from the keyframe's observations, for the pose of this frame or of the earlier one
+/// that became the keyframe. Result and matches are in `localised`.
 bool pose_from_keyframe(const Keyframe& keyframe, const MapInput& input, MapState* state);
 
 }  // namespace polhode

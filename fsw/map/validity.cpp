@@ -20,7 +20,7 @@ using AssociationCounts = std::array<std::int32_t, limits::kLandmarks>;
 
 bool is_valid(const Pose& pose) { return is_rotation(pose.R_CT) && is_bounded(pose.p_CT); }
 
-/// Counts the keyframe's ties to each landmark.
+/// Counts the keyframe's observations of each landmark.
 bool is_valid(const Keyframe& keyframe,
               const Map& map,
               const CameraModel& camera,
@@ -48,7 +48,7 @@ bool is_valid(const LandmarkView& view, const Map& map) {
          view.feature < static_cast<std::int32_t>(limits::kFeatures);
 }
 
-/// No keyframe number twice, as ages are told by them.
+/// No keyframe number twice: ages of landmarks are differences of these numbers.
 bool numbers_differ(const Map& map) {
   for (std::size_t i = 0; i < map.keyframes.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {

@@ -19,13 +19,13 @@ bool is_valid(const Map& map, const CameraModel& camera, std::int64_t now_ns);
 
 bool is_valid(const MapDrift& drift);
 
-/// What optical flow follows from frame to frame.
+/// The reference that optical flow follows.
 bool is_valid(const FlowReference& reference, const Map& map);
 
-/// Indices of a part of the map that an adjustment works on, and of what it brings back.
+/// Indices of the part of the map that an adjustment changes.
 bool is_valid(const AdjustmentSnapshot& snapshot);
 
-/// Parts of a map. A keyframe but for its features and their ties:
+/// Parts of a map. A keyframe but for its features and their associations:
 bool head_is_valid(const Keyframe& keyframe, const Map& map, std::int64_t now_ns);
 bool is_valid(const Feature& feature, const CameraModel& camera);
 /// No landmark, or a used slot of the map.

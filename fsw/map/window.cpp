@@ -123,7 +123,7 @@ void add_points(const Map& map,
   }
 }
 
-/// Slots are used anew: is the landmark of the snapshot still the one in its place?
+/// Slots are used again: does the slot still have the landmark of the snapshot?
 bool is_there(const AdjustmentSnapshot& s, std::size_t i, const Map& map) {
   const Landmark& landmark = map.landmarks[s.landmarks[i].index()];
   return landmark.used && landmark.number == s.landmark_numbers[i];
@@ -167,9 +167,9 @@ bool is_there(const AdjustmentSnapshot& s, std::size_t k, const Keyframe& keyfra
   return keyframe.used && keyframe.number == s.keyframe_numbers[k];
 }
 
-/// The turn of T after which the keyframes' attitudes are, in the mean, what they were. Landmarks
-/// do not tell it: a young map is sheared along its depth, and what takes the shear away turns them
-/// by half of it, with the images and so the attitudes as before.
+/// The rotation of T that restores the keyframes' attitudes in the mean. Landmarks cannot give it:
+/// removing the shear of a young map along its depth rotates them by half of it, while images and
+/// attitudes stay.
 Eigen::Matrix3d attitudes_back(const AdjustmentSnapshot& s, const Map& map) {
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   for (std::size_t k = 0; k < s.keyframes.size(); ++k) {
@@ -181,7 +181,7 @@ Eigen::Matrix3d attitudes_back(const AdjustmentSnapshot& s, const Map& map) {
   return nearest_rotation(sum);
 }
 
-/// From the adjusted map onto the one that it came from; identity where held keyframes keep the
+/// Similarity from the adjusted map back to the original; identity where fixed keyframes keep the
 /// gauge.
 Similarity back_onto(const AdjustmentSnapshot& s, const Map& map) {
   if (std::count(s.pose_fixed.begin(), s.pose_fixed.end(), std::uint8_t{1}) > 1) {

@@ -1,4 +1,4 @@
-// Adjustment of the map: a window of keyframes on the way, all of them when a side comes back.
+// Bundle adjustment of the map: of a window of keyframes, and of all of them at a loop closure.
 #pragma once
 
 #include "base/fixed_vector.hpp"
@@ -10,7 +10,7 @@
 
 namespace polhode {
 
-/// What the body's motion says of an adjustment's keyframes.
+/// Pose priors and rate links of an adjustment's keyframes, by the body's motion.
 struct MotionTerms {
   FixedVector<PosePrior, limits::kKeyframes> priors;
   FixedVector<RateLink, limits::kKeyframes> links;
@@ -31,20 +31,20 @@ struct AdjustmentSnapshot {
   FixedVector<Eigen::Vector3d, limits::kLandmarks> points_T;
   FixedVector<std::uint8_t, limits::kLandmarks> point_fixed;
   FixedVector<BundleObservation, limits::kAdjustmentObservations> observations;
-  std::uint32_t next_keyframe_number = 0;  ///< of the map: from here on is what came later
+  std::uint32_t next_keyframe_number = 0;  ///< of the map; keyframes from it on are newer
   std::int32_t next_landmark_number = 0;
   std::uint32_t left_out =
       0;  ///< observations that found the table full: those of the oldest keyframes
 };
 
 /// The newest keyframe and those that share most landmarks with it, `window` in all, free to move;
-/// up to twice as many others that see the same landmarks, held.
+/// up to twice as many others that see the same landmarks, fixed.
 void snapshot_window(const Map& map,
                      const CameraModel& camera,
                      int window,
                      AdjustmentSnapshot* snapshot);
 
-/// Every keyframe and every landmark. The newest keyframe is held.
+/// Every keyframe and every landmark. The newest keyframe is fixed.
 void snapshot_all(const Map& map, const CameraModel& camera, AdjustmentSnapshot* snapshot);
 
 /// As the solver sees it.
@@ -52,14 +52,14 @@ BundleProblem problem_of(AdjustmentSnapshot* snapshot);
 
 BundleReport adjust(AdjustmentSnapshot* snapshot, const BundleOptions& options);
 
-/// How the newest keyframe of a snapshot was moved. What was placed by it since goes along.
+/// How the newest keyframe of a snapshot was moved. Poses and points added since move along.
 struct MapCorrection {
   std::int64_t timestamp_ns =
       INT64_MAX;  ///< of that keyframe; INT64_MAX: it is no longer there, or nothing was changed
   std::uint32_t frame = UINT32_MAX;
   Pose before;
   Pose after;
-  Similarity back;  ///< that the whole snapshot was brought back by; identity where there was none
+  Similarity back;  ///< applied to the whole snapshot to restore the gauge; else identity
 
   [[nodiscard]] Pose moved(const Pose& pose) const {
     const Eigen::Matrix3d R = pose.R_CT * before.R_CT.transpose();

@@ -13,8 +13,8 @@
 namespace polhode {
 namespace {
 
-// Gray levels and roughnesses of an appearance (decision 0008). Chosen; more of them are rarer
-// each, and tell less of a small target.
+// Gray levels and roughnesses of an appearance (decision 0008). Chosen; with more of them each has
+// fewer pixels, too few on a small target.
 constexpr int kLevels = 16;
 constexpr int kRoughnesses = 4;
 constexpr std::size_t kAppearances = kLevels * kRoughnesses;

@@ -13,8 +13,8 @@ namespace {
 
 // Votes of a known place. With 8, overlaps are within 0.006 (decision 0014).
 constexpr int kVotesKnown = 4;
-// Most votes: 13 images in a row that differ make a long known place unknown. Chosen; larger learns
-// changes of the room later, smaller takes a passing shadow for it.
+// Most votes: 13 images in a row that differ make a long known place unknown. Chosen; larger adapts
+// to changes of the room later, smaller takes a passing shadow for one.
 constexpr int kVotesMost = 16;
 
 int tolerance_of(double noise) {

@@ -20,8 +20,8 @@ struct BackgroundModel {
 /// Does one of the background's motions leave the image where it was?
 bool stands_still(const BackgroundState& background, const cv::Size& size);
 
-/// Learns what lies outside of the target's outline by more than outlines are off. Overwrites
-/// `matches`.
+/// Updates the background model outside of the target's outline, beyond the outline's error.
+/// Overwrites `matches`.
 /// @param noise one sigma of a pixel, levels.
 /// @cost one dilation and one pass over the image.
 void learn_background(const cv::Mat& image,
@@ -29,7 +29,7 @@ void learn_background(const cv::Mat& image,
                       double noise,
                       BackgroundModel* model);
 
-/// Fills `matches`: nothing, while nothing is known.
+/// Fills `matches`; leaves it zero while the model is empty.
 void match_background(const cv::Mat& image, double noise, BackgroundModel* model);
 
 void clear(BackgroundModel* model);

@@ -31,8 +31,8 @@ void measure_edges(const cv::Mat& image, const cv::Rect& box, ImageEdges* edges)
 /// Moves the outline to image edges nearby, by a graph cut: the cheapest boundary between target
 /// and the rest, dear where the image is even. For keyframes. Outside of the edges' box nothing
 /// changes.
-/// @param unary_cost far smaller than an even place's cost: it says on which side of an edge the
-/// target is, and the edges say where.
+/// @param unary_cost far smaller than the boundary cost of an even place: it decides on which side
+/// of an edge the target is; the edges decide where the boundary runs.
 /// @param reach by pixels, or by the unary cost's cells.
 /// @param outline CV_8UC1, 255 on the target.
 /// @cost one maximum flow over the cells that the outline may be moved over: more than in

@@ -210,8 +210,8 @@ bool compare_images(const cv::Mat& gray,
   return explained;
 }
 
-/// Learns what is beside the target where the camera stands still. Only each time that the target
-/// has moved on: a part of it that the outline lacks is not learned then.
+/// Updates the background model where the camera stands still. Only once per interval in which the
+/// target has moved: a part of it that the outline misses is then not taken for background.
 void remember_background(bool explained, MaskState* s) {
   if (!explained) {
     return;
@@ -247,7 +247,8 @@ void open_lit_cells(MaskState* s, TargetMask* mask) {
   MaskScratch& scratch = s->scratch;
   cv::compare(s->foreground.log_odds, static_cast<double>(kAgreement), scratch.open, cv::CMP_GE);
   if (!s->map.seeds.empty()) {
-    // Between the landmarks of a body at rest before a background at rest everything agrees.
+    // On a body at rest before a background at rest all pixels agree with the background: cells
+    // between its landmarks are opened by distance alone.
     cv::compare(s->map.distance, near_px(*s), scratch.cells, cv::CMP_LE);
     cv::bitwise_or(scratch.open, scratch.cells, scratch.open);
   }
@@ -307,8 +308,8 @@ bool is_open(const MaskState& s) {
 }
 
 bool may_be_background(const MaskState& s) {
-  // An image whose background has no motion tells nothing: the outline is the last one's, carried
-  // along with whatever it holds.
+  // Without motion of the background an image does not separate it from the target: the outline is
+  // then the last one, background included.
   if (covers_border(s) || (s.behind && s.found && s.unexplained > 0)) {
     return true;
   }

@@ -20,8 +20,8 @@ OwnStructure own_structure(const cv::Mat& pixels);
 /// Makes it black in an image, as empty space is. All later stages see it so.
 void blacken(const OwnStructure& own, cv::Mat* gray);
 
-/// Closes the cells to features that it reaches, and two cells around: its silhouette is at rest in
-/// the image.
+/// Closes the cells that it reaches to features, and two cells around them: its silhouette stays in
+/// place in the image.
 void close_cells(const OwnStructure& own, TargetMask* mask);
 
 /// Takes it out of the outline, and drops the points that are followed on it or along its

@@ -23,7 +23,7 @@ constexpr int kFlowLevels = 3;
 constexpr int kLevelsPredicted = 0;
 // Points that are closer share half of their windows' width or more.
 constexpr int kNearest_px = 5;
-// Motions are told apart by 1 px and more. 0.02 px takes 0.3 ms more; 0.1 px saves nothing (record
+// Motions are separated by 1 px and more. 0.02 px takes 0.3 ms more; 0.1 px saves nothing (decision
 // 0013).
 constexpr double kSettled_px = 0.05;
 // Of a point on a level; half as many save nothing (decision 0013).

@@ -37,8 +37,8 @@ void distance_within(
   part *= static_cast<double>(step);
 }
 
-/// Adds the places between landmarks that are close together to the seeds, where the log-odds do
-/// not say background.
+/// Adds the cells between landmarks that are close together to the seeds, where the log-odds do not
+/// indicate background.
 void close_gaps(const cv::Rect& box, MaskState* s) {
   cv::Mat& cells = s->scratch.cells;
   cv::Mat& gap_distance = s->scratch.cell_values;

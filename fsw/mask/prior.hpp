@@ -22,14 +22,14 @@ bool has_map(const MaskState& state);
 cv::Point working_pixel(const cv::Point2f& p_px, const MaskState& state);
 
 /// Discs around the landmarks, in `map.seeds`. @param contradicted_too  also around those where the
-/// log-odds say background.
+/// log-odds indicate background.
 void place_landmarks(const MaskPrior& prior, bool contradicted_too, MaskState* state);
 
 /// Nearer to a landmark than this is target, in working pixels.
 double near_px(const MaskState& state);
 
 /// Fills `map`: seeds at the landmarks and between them, and how far the body can reach beyond. No
-/// seeds where the log-odds say background: a map has some wrong landmarks.
+/// seeds where the log-odds indicate background: a map has some wrong landmarks.
 void place_prior(const MaskPrior& prior, MaskState* state);
 
 }  // namespace polhode

@@ -43,7 +43,7 @@ constexpr std::size_t kSectorsMin = kSectors / 4;
 // chance.
 constexpr double kCylinderBandPartMin = 0.3;
 constexpr double kCylinderBand_sigmas = 3.0;
-// Five unknowns, and one point to judge them by.
+// Five unknowns, and one point to check them.
 constexpr std::size_t kFitPointsMin = 6;
 // Planes draw from the streams below limits::kPlanes; this one differs from all of them.
 constexpr std::uint64_t kRngStream = 100;

@@ -33,7 +33,7 @@ struct Cylinder {
 
 struct CylinderSearch {
   double distance_max = 0.0;     ///< of an inlier from the surface, cloud's unit
-  std::size_t inliers_min = 20;  ///< of direct callers; a Shape asks for a third of its points
+  std::size_t inliers_min = 20;  ///< of direct callers; a Shape requires a third of its points
   int iterations_max = 500;      ///< ShapeOptions::plane_iterations_max
   std::uint64_t seed = 1;
 };

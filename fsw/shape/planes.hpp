@@ -39,7 +39,7 @@ using PlaneOwners = FixedVector<std::int8_t, limits::kCloudPoints>;
 
 struct PlaneSearch {
   double distance_max = 0.0;     ///< of an inlier from its plane, cloud's unit
-  std::size_t inliers_min = 10;  ///< of direct callers; a Shape asks for a part of its points
+  std::size_t inliers_min = 10;  ///< of direct callers; a Shape requires a part of its points
   int iterations_max = 500;      ///< hypotheses for each plane; ShapeOptions::plane_iterations_max
   std::uint64_t seed = 1;
 };

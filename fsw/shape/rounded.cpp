@@ -84,7 +84,7 @@ Result<Ellipsoid> fit_ellipsoid(std::span<const Eigen::Vector3d> points_T, doubl
 }
 
 bool is_rounded(std::span<const Eigen::Vector3d> points_T, const Cylinder& cylinder, double band) {
-  // Chosen: a cylinder has the benefit of the doubt, since an ellipsoid has four unknowns more.
+  // Chosen: a margin in favour of the cylinder, since an ellipsoid has four unknowns more.
   constexpr double kMoreThanCylinder = 1.1;
   FixedVector<Eigen::Vector3d, limits::kCloudPoints> fitted;
   for (std::size_t i = 0; i < points_T.size(); i += 2) {

@@ -24,9 +24,8 @@ double variance_along(const End& end, const Eigen::Vector3d& direction, double l
   return along * along + longer * longer;
 }
 
-/// Variance of a length by where its end was picked: the point moves across its ray, and with it
-/// the surface that the ray meets. At an edge that is another one. A place that meets none says
-/// nothing.
+/// Variance of a length from the error of its picked end: a shifted pixel has another ray, which
+/// meets another point, at an edge even another surface. Rays without a surface are left out.
 double variance_by_pick(const ScaleView& view,
                         const End& end,
                         const SurfaceHit& other,

@@ -21,8 +21,9 @@ ScaleChange read_scale_in_frame(const MapState& map, const ScaleInput& input, Sc
 /// Reads in the keyframe of the configured time; nothing where there is none.
 ScaleChange read_scale_in_keyframe(const MapState& map, const ScaleInput& input, ScaleState* scale);
 
-/// Reads where the configured frame is, this one or a keyframe, when a reading is due. A reading
-/// anew that fails, or has no smaller sigma, is counted, and due again when the map has grown.
+/// Reads the scale in the configured frame, which is this one or a keyframe, when a reading is due.
+/// A repeated reading that fails, or has no smaller sigma, is counted, and due again when the map
+/// has grown.
 ScaleChange read_scale(std::int64_t timestamp_ns,
                        const MapState& map,
                        const ScaleInput& input,

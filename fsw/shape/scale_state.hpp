@@ -21,7 +21,7 @@ struct ScaleState {
   ScaleReadings readings;
   std::array<bool, kScaleSources> used{};  ///< readings that the scale comes from
   bool contradiction = false;
-  std::uint32_t not_improved = 0;  ///< readings anew that failed, or were no better than the last
+  std::uint32_t not_improved = 0;  ///< repeated readings that failed, or were no better
 };
 
 /// What came of a reading.

@@ -32,11 +32,11 @@ constexpr double kFrontPart = 0.5;
 // Cosine of 78 deg: a side seen more obliquely shows next to no landmarks. A plane that leans so
 // far joins points of two sides.
 constexpr double kFacingCosineMin = 0.2;
-// A plane that crosses the ray holds two of the four landmarks nearest to it. A large side with
+// A plane that crosses the ray contains two of the four landmarks nearest to it. A large face with
 // only farther landmarks would be extrapolated over a panel behind or beside the body.
 constexpr std::size_t kWitnesses = 4;
 constexpr std::size_t kWitnessesMin = 2;
-// Three points fix a plane, two are left to judge it by.
+// Three points fix a plane, two more check it.
 constexpr std::size_t kPlaneSupportMin = 5;
 // Chosen: least-squares passes until the set of inliers has settled.
 constexpr int kHitRefinements = 5;
@@ -47,8 +47,8 @@ constexpr double kTriangleMin = 0.01;
 // corners.
 constexpr std::size_t kNearestDepths = 3;
 
-// Errors of landmarks beside what their image points say of them: measured on rendered scenes, see
-// decision 0074.
+// Errors of landmarks over the sigmas that their observations give: measured on rendered scenes,
+// see decision 0074.
 constexpr double kOwnSigmas = 2.0;
 
 struct Seen {
@@ -56,7 +56,7 @@ struct Seen {
   double distance2 = 0.0;
   double depth = 0.0;
   double sigma = 0.0;   // along its ray
-  double weight = 1.0;  // how much it says of the surface at the ray
+  double weight = 1.0;  // in the fit of the surface at the ray
 };
 
 using SeenTable = FixedVector<Seen, limits::kLandmarks>;

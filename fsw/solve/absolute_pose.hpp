@@ -63,8 +63,8 @@ Result<AbsolutePose> refine_pose(std::span<const PoseObservation> observations,
 /// that agree, within the prior's own reach at first, and a robust fit to them and the prior.
 /// @param prior       expected, with `prior_covariance` of (phi, dp).
 /// @param inlier      out, one byte per observation.
-/// @return covariance: of the observations, the prior counting a tenth so that it stays finite. A
-/// motion that is estimated from the result does not learn its own prediction.
+/// @return covariance: of the observations, with a tenth of the prior's information so that it
+/// stays finite. A motion estimated from the result is then not confirmed by its own prediction.
 /// @errors TooFewObservations (fewer agree than options.inliers_min), Degenerate.
 Result<AbsolutePose> pose_with_prior(std::span<const PoseObservation> observations,
                                      const Pose& prior,

@@ -55,7 +55,7 @@ class ReprojectionCost final : public ceres::SizedCostFunction<2, kPoseNumbers, 
   double inverse_sigma_;
 };
 
-/// Departure of a pose from its prior, (phi, uvs), in sigma.
+/// Deviation of a pose from its prior, (phi, uvs), in sigma.
 class PosePriorCost final : public ceres::SizedCostFunction<kPoseNumbers, kPoseNumbers> {
  public:
   PosePriorCost(const PosePrior& prior, const ChartedPose& pose);

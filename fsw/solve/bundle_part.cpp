@@ -9,8 +9,8 @@
 namespace polhode {
 namespace {
 
-// Observations of a point, in the mean at least: it bounds the memory of points. Two tell a point,
-// and nothing else.
+// Least mean number of observations of a point: it bounds the memory of points. Two observations
+// determine a point, and leave nothing for the poses.
 constexpr std::size_t kViewsMean = 3;
 // Steps of a point that was left out. Chosen: it follows poses that have moved a little.
 constexpr int kFollowingSteps = 5;

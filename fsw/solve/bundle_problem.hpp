@@ -34,15 +34,15 @@ struct PosePrior {
 struct RateLink {
   // Of three rates, which have two changes.
   static constexpr std::size_t kPoses = 4;
-  // Of poses' own noise, added to the whole turn in squares: a body at rest is not held the more
-  // for it. 0.6 deg.
+  // Noise of poses, added to the whole turn in squares: else a link would constrain a body at rest
+  // too strongly. 0.6 deg.
   static constexpr double kTurnLeast_rad = 0.01;
   FixedVector<std::int32_t, kPoses> poses;         ///< indices
   std::array<double, kPoses - 1> factors_1_rad{};  ///< of the turn from each pose to the next
   double turn_rad = 1.0;                           ///< the whole one when the link was made
 };
 
-/// The most that an adjustment can hold.
+/// Capacities of an adjustment.
 struct BundleLimits {
   static constexpr std::size_t kPoses = limits::kKeyframes;
   static constexpr std::size_t kPoints = limits::kLandmarks;

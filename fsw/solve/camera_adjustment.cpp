@@ -115,8 +115,9 @@ class DeviatingCost final : public ceres::SizedCostFunction<2, kPoseNumbers, 3, 
   Eigen::Vector2d by_half_;
 };
 
-/// How far cameras deviate, 1-sigma. It holds what the images do not tell, and what a broken map
-/// would tell: a ratio of pixels beyond all sensors, rows that are read for longer than a frame.
+/// Prior of the deviations, 1-sigma. It constrains deviations that the images do not determine, and
+/// bounds those that a broken map would suggest: pixels of impossible aspect, rows that are read
+/// for longer than a frame.
 class DeviationPrior final : public ceres::SizedCostFunction<kNumbers, kNumbers> {
  public:
   explicit DeviationPrior(const CameraProblem& problem) {
@@ -211,9 +212,9 @@ class DeviatingBundle {
     return deviations_.allFinite() && prior_.allows(deviations_);
   }
 
-  /// What the images say of the deviations where the bundle is now, points and poses eliminated.
+  /// Information matrix of the deviations at the present bundle, points and poses eliminated.
   DeviationInformation information() {
-    constexpr double kGauge = 1e-6;  // of what no image tells: small beside any that one does
+    constexpr double kGauge = 1e-6;  // of the gauge: far below the information of any image
     const auto size = static_cast<Eigen::Index>(kPoseNumbers * bundle_.poses.size()) + kNumbers;
     const Eigen::Index others = size - kNumbers;
     Eigen::MatrixXd H = Eigen::MatrixXd::Zero(size, size);

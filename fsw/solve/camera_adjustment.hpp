@@ -1,4 +1,4 @@
-// What a bundle's images say of the camera that they are taken to be of.
+// Test of the stated camera: bundle adjustment with the camera's deviations as unknowns.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,7 +10,7 @@
 
 namespace polhode {
 
-/// In what a camera may differ from the one stated. Each is a number that is 0 where it does not.
+/// Deviations of a camera from the stated one, one number each; 0: none.
 enum class Deviation : std::uint8_t {
   kFocal,       ///< log of true over stated focal length
   kZoom,        ///< log of the focal length at the last pose over that at the first
@@ -25,7 +25,7 @@ inline constexpr std::size_t kDeviations = 7;
 using Deviations = Eigen::Matrix<double, kDeviations, 1>;
 using DeviationInformation = Eigen::Matrix<double, kDeviations, kDeviations>;
 
-/// How a bundle's images move: what rows that are read one after the other, and a zoom, show.
+/// Motion of a pose's image: the input for the deviations of row times and of zoom.
 struct PoseMotion {
   Eigen::Matrix<double, 6, 1> rates = Eigen::Matrix<double, 6, 1>::Zero();  ///< of (phi, uvs) by s
   double phase = 0.0;  ///< -0.5 at the first pose's time, 0.5 at the last one's
@@ -48,8 +48,8 @@ struct CameraProblem {
 struct CameraFit {
   bool usable = false;
   Deviations value = Deviations::Zero();  ///< all of them free
-  /// Of the deviations, poses and points free, with what is known of cameras beforehand. Residuals
-  /// along a track are alike, so each counts as several times itself (decision 0085).
+  /// Of the deviations, poses and points free, with the prior of cameras. Residuals along a track
+  /// are correlated, so each counts less (decision 0085).
   DeviationInformation information = DeviationInformation::Zero();
   double gain = 0.0;  ///< by how much chi-square falls, each residual counted so
   ImageRates rates;
@@ -60,7 +60,7 @@ struct CameraFit {
 
 /// Adjusts copies of poses and points together with all deviations, by Ceres. The undistorted image
 /// counts as a pinhole's. Priors of poses are left out. A map that was made with the stated camera
-/// holds the result back: it then lies between the two.
+/// biases the result towards it.
 /// The heap is within adjustment_bytes_max, as the bundle's is.
 /// @param options  observations_max bounds the work
 CameraFit adjust_camera(const CameraProblem& problem, const BundleOptions& options);

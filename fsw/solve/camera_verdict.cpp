@@ -188,7 +188,7 @@ DeviationText describe(Deviation deviation, const CameraFinding& found, const Ca
 
 CameraError error_by(const CameraFinding& found, double size) {
   const double zoom = part_of(found, Deviation::kZoom);
-  // A zoom has a middle, too, that is off by less than is told by itself.
+  // With a zoom the deviation of the mean focal length counts, too, even where it is insignificant.
   const double focal = (zoom > 0.0 ? std::abs(found.of(Deviation::kFocal)) + 0.5 * zoom
                                    : part_of(found, Deviation::kFocal));
   const double aspect = part_of(found, Deviation::kAspect);

@@ -18,7 +18,7 @@ ceres::Problem::Options problem_options(ceres::EvaluationCallback* callback) {
 }
 
 ceres::Solver::Options solver_options(int iterations_max) {
-  // Its messages would go to the standard error and to files; what it has to say is in the summary.
+  // Its messages would go to the standard error and to files; the summary has the same content.
   FLAGS_minloglevel = google::GLOG_FATAL;
   ceres::Solver::Options options;
   options.max_num_iterations = iterations_max;

@@ -23,8 +23,8 @@ InitialFit adjust_initial(std::span<const TrackObservation> observations,
 /// Pose of one frame from the known points, by at most `iterations_max` damped steps with Cauchy
 /// loss.
 /// @param observations  of this frame only.
-/// @return robust cost, or a negative number when fewer than four points are known, or the pose is
-/// none that images can be told by.
+/// @return robust cost, or a negative number when fewer than four points are known or the cost
+/// cannot be evaluated.
 double adjust_single_pose(std::span<const TrackObservation> observations,
                           const InitialGeometryView& geometry,
                           const InitialAdjustmentOptions& options,

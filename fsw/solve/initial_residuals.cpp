@@ -10,8 +10,8 @@
 namespace polhode {
 namespace {
 
-/// Most that a track of n observations may cost with the truncated loss. One that costs more
-/// belongs to no point of the body: how badly it fits says nothing about the motion.
+/// Bound on the cost of a track of n observations with the truncated loss. A track beyond it
+/// belongs to no point of the body, so its cost is not evidence against a motion.
 double track_cost_max(std::size_t observations) {
   // Standard deviations of chi-square, sqrt(2 f), above its mean f.
   constexpr double kSigmas = 3.0;
@@ -136,7 +136,7 @@ InitialFit evaluate_initial(std::span<const TrackObservation> observations,
       }
     }
     fit.inliers += wrong ? 0 : track_inliers;
-    // A point agrees with nearly any two images of it: the others say something.
+    // A point fits nearly any two observations of it: only the further ones are redundant.
     fit.redundant += std::max(0, static_cast<int>(end - begin) - 2);
     fit.agreeing += std::max(0, track_inliers - 2);
     fit.chi2 += wrong ? 0.0 : track_chi2;

@@ -17,7 +17,8 @@
 
 namespace polhode {
 
-/// What a fit says of itself at one place. A fit derives its own from this, with more results.
+/// Normal equations and cost of a fit at one place. A fit derives its own from this, with more
+/// results.
 template <int N>
 struct SmallEquations {
   static constexpr int kUnknowns = N;
@@ -67,8 +68,8 @@ class Residuals {
   Residuals(const Linearise& linearise, const SmallFitOptions& options, Place* last)
       : linearise_(linearise), options_(options), last_(last) {}
 
-  /// TinySolver asks without Jacobian for a trial. It asks with it at the start and at the last
-  /// trial, which is accepted.
+  /// TinySolver calls this without Jacobian for a trial, and with it at the initial value and at
+  /// the last trial, which is accepted.
   bool operator()(const double* x, double* residuals, double* jacobian) const {
     Eigen::Map<Eigen::Matrix<double, NUM_RESIDUALS, 1>> r(residuals);
     if (jacobian != nullptr) {

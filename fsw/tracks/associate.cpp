@@ -148,7 +148,7 @@ FixedVector<double, limits::kFeatures> differences_px(const Field& field) {
   return apart_px;
 }
 
-/// Drops the matches that move otherwise than their neighbours, and learns how much these differ.
+/// Drops the matches that move otherwise than their neighbours, and estimates the field's noise.
 /// @return false, with nothing dropped, where neighbours have no motion in common.
 bool drop_strays(FeatureMatches* matches, Field* field) {
   const FixedVector<double, limits::kFeatures> apart_px = differences_px(*field);

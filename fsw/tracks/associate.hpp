@@ -1,4 +1,4 @@
-// Features of one frame tied to those of another of the same body, before there is a map.
+// Associates the features of two frames of the same body, before there is a map.
 #pragma once
 
 #include <span>

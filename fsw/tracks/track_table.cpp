@@ -35,8 +35,8 @@ void keep_tracks(const Keeps& keeps, TrackTable* table) {
   table->tracks.resize(kept);
 }
 
-/// Room for an eighth of the table: tracks that ended go, the shortest first, as they say least.
-/// The newest frames' go on growing.
+/// Makes room for an eighth of the table: removes ended tracks, the shortest first, as they
+/// constrain the geometry least. Tracks of the newest frames stay.
 void make_room(TrackTable* table) {
   constexpr std::size_t kWanted = limits::kInitialTracks / 8;  // at a time, so that it is seldom
   const auto first_alive =
