@@ -1,4 +1,4 @@
-// Text that comes from a file: all of it, or one line that says why not.
+// Text of a file: all of it, or one line with the reason why not.
 #pragma once
 
 #include <cstddef>

@@ -18,11 +18,11 @@ constexpr std::size_t kMiB = std::size_t{1} << 20;
 // Measured with this distribution's libraries by tests/memory, which fails when one of them takes
 // more.
 constexpr std::size_t kHypothesesBytes = 3 * kMiB;
-// Of the shape's kd-trees, 26 bytes a point, and all else that jobs ask for.
+// Of the shape's kd-trees, 26 bytes a point, and all other requests of jobs.
 constexpr std::size_t kOtherJobsBytes = kMiB / 2;
 constexpr std::size_t kPoseBytes = kMiB;
 constexpr std::size_t kHeapHeader = 4096;
-// The program's text, its shared libraries, their own data and what constructors ask for before the
+// The program's code, its shared libraries, their data and the memory of constructors before the
 // pools are open: 26 MiB were measured, and 3.6 MiB more with Ceres's libraries.
 constexpr std::size_t kProgramBytes = 30 * kMiB;
 constexpr std::size_t kMainStackBytes = 2 * kMiB;

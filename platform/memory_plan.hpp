@@ -47,7 +47,7 @@ MemoryPlan plan_memory(const Parameters& parameters, const MachineNeeds& machine
 /// The plan as a table for people.
 std::string text_of(const MemoryPlan& plan);
 
-/// What one job may take from its pool at most; admission asks for this much before it runs.
+/// Most that one job may take from its pool; admission requires this much before it runs.
 std::size_t job_worst_case(const Parameters& parameters);
 
 }  // namespace polhode::platform

@@ -9,7 +9,7 @@
 
 namespace polhode::platform {
 
-/// As fmt::print(stderr, ...), but no run ends because nobody can be told: standard error may be
+/// As fmt::print(stderr, ...), but a failed write ends no run: standard error may be
 /// closed, or on a full disk.
 template <typename... Values>
 void print_stderr(fmt::format_string<Values...> format, Values&&... values) {

@@ -76,7 +76,7 @@ inline std::string json_text(std::string_view text) {
   return out + '"';
 }
 
-/// A whole message: as cited(), but what is cut is its middle, as its end says what is allowed.
+/// A whole message: as cited(), but cut in the middle, as its end has the allowed values.
 inline std::string legible(std::string_view message) {
   constexpr std::size_t kEnd = 200;  // bytes that stay of it
   if (message.size() <= kMessageMax) {

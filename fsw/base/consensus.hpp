@@ -17,7 +17,7 @@ namespace polhode {
 /// Worse than any score.
 inline constexpr double kNoScore = 1e300;
 
-/// Draws after which, but for a probability of `missed`, one has held inliers only.
+/// Draws after which, but for a probability of `missed`, one had inliers only.
 /// @param inliers  share of inliers, 0 .. 1
 /// @param points   points of a draw
 /// @param missed   from 1e-9 to 1
@@ -67,8 +67,7 @@ struct ConsensusSearch {
   int draws_max = 0;
   std::uint64_t seed = 0;
   std::uint64_t stream = 0;  ///< of the random numbers
-  /// With this probability no sample has held inliers only when the search ends early. 0: it makes
-  /// all draws.
+  /// Probability that no sample had inliers only when the search ends early. 0: all draws are made.
   double missed = 0.0;
   /// Score of a hypothesis that no point agrees with, where the search may end early. Every
   /// outlier adds its part of that, so the score bounds the number of outliers.

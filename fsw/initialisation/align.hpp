@@ -1,4 +1,5 @@
-// Observations of a start's tracks, registered to their track's middle view.
+// Sub-pixel alignment of tracks before the initialisation: registers each observation to the view
+// in the middle of its track.
 #pragma once
 
 #include <Eigen/Core>

@@ -135,7 +135,7 @@ Collected collect_frame(const CollectibleFrame& frame,
       frame.frame, frame.timestamp_ns, frame.R_IC, *frame.features, ratio_max, &state->tracks);
   drop_resting_tracks(&state->tracks, resting);
   to_frame_time(camera, &state->tracks);
-  constexpr std::size_t kConnectingMin = 8;  // fewer cannot carry a start
+  constexpr std::size_t kConnectingMin = 8;  // too few for an initialisation
   drop_unconnected_frames(kConnectingMin, &state->tracks);
   const Collected collected{.kept = true, .tables_full = state->tracks.full_count};
   state->tracks.full_count = 0;

@@ -92,7 +92,7 @@ double long_score(std::size_t frames, int common) {
   return static_cast<double>(frames - 1) * std::sqrt(std::min<double>(common, kCommonEnough));
 }
 
-/// On a body with many sides that rotates fast, all frames of a long run observe one flat side
+/// On a body with many faces that rotates fast, all frames of a long run observe one flat face
 /// only. So tracks count more here.
 double crowded_score(std::size_t frames, int common) {
   return std::sqrt(static_cast<double>(frames - 1)) * std::min<double>(common, kCoreTracks);

@@ -7,9 +7,9 @@
 
 namespace polhode {
 
-/// Pose of one more frame from the points known so far. Starts from the nearest posed frame and
-/// from the constant-rate continuation of the two nearest. Keeps the better result.
-/// @return false, with the frame left unposed, when too few points are observed or no start
+/// Pose of one more frame from the points known so far. Initial values are the nearest posed frame
+/// and the constant-rate continuation of the two nearest. Keeps the better result.
+/// @return false, with the frame left unposed, when too few points are observed or neither
 /// converges.
 bool pose_frame(std::span<const TrackObservation> observations,
                 std::span<const double> times_s,

@@ -10,9 +10,9 @@
 namespace polhode {
 
 /// Each frame with a pose becomes a keyframe, each track with a point a landmark seen where its
-/// features are. What the map holds already stays; full tables take no more.
-/// @param first_frame  the start's, in the table.
-/// @param to_T  takes the start's frame and unit to the map's.
+/// features are. Present entries of the map stay; full tables take no more.
+/// @param first_frame  of the initialisation, in the table.
+/// @param to_T  takes the initialisation's frame and unit to the map's.
 void begin_map(const InitialOutcome& outcome,
                std::size_t first_frame,
                const TrackTable& tracks,

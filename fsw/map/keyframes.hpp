@@ -29,8 +29,8 @@ KeyframeId insert_keyframe(std::uint32_t frame,
 /// @return how many went.
 int make_room(int count, const MapOptions& options, Map* map);
 
-/// The keyframe of whose landmarks most are seen by three others, when that is over 90 %, else the
-/// one with the highest part; never the newest two, nor one that is alone on its side of the body
+/// The keyframe with the highest redundancy: the part of its landmarks that three others see. Among
+/// equals the one nearest to another keyframe. Never the newest two, nor the only one of its aspect
 /// (no other within 20 deg of viewing direction).
 KeyframeId most_redundant(const Map& map);
 

@@ -25,7 +25,7 @@ struct Keyframe {
   Pose refreshed_pose;                                      ///< at the last refresh_landmarks()
 };
 
-/// How a landmark looks from one side.
+/// Appearance of a landmark from one direction.
 struct LandmarkView {
   Eigen::Vector3d direction_T = Eigen::Vector3d::Zero();  ///< unit, towards the camera
   KeyframeId keyframe;  ///< that it is taken from, and which feature of it

@@ -36,9 +36,9 @@ struct LastAdjustment {
   std::uint32_t next_keyframe_number = 0;
 };
 
-/// What recognise_frame() has found so far.
+/// State of recognise_frame() over successive frames.
 struct RecognisedPose {
-  int frames = 0;           ///< in succession that show the same side; 0: none
+  int frames = 0;           ///< in succession with the same aspect; 0: none
   std::uint32_t frame = 0;  ///< the last of them
   Pose pose;                ///< in it
 };

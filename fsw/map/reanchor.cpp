@@ -22,8 +22,8 @@ Eigen::Matrix3d mean_rotation(std::span<const ReanchorFrame> frames) {
   return nearest_rotation(sum);
 }
 
-/// How much the prediction's error can change over the start, which one rotation from T' to T does
-/// not take up: by its growth, and by rotating with the body.
+/// Bound on the change of the prediction's error over the new map's frames, which one rotation from
+/// T' to T cannot absorb: the error grows, and it rotates with the body.
 double changes_rad(std::span<const ReanchorFrame> frames, double turn_rad) {
   const auto [least, most] = std::minmax_element(
       frames.begin(), frames.end(), [](const ReanchorFrame& l, const ReanchorFrame& r) {
@@ -43,8 +43,8 @@ void check_attitudes(std::span<const ReanchorFrame> frames, Reanchoring* reancho
         reanchoring->turn_rad, rotation_angle_rad(frame.start.R_CT, frames.front().start.R_CT));
   }
   reanchoring->misfit_rad = std::sqrt(squares / static_cast<double>(frames.size()));
-  // Of the start's turn, 1-sigma: a start is committed where its depths, and with them its turn,
-  // are known this well (decision 0067).
+  // Of the new map's rotation, 1-sigma: an initialisation is committed to when its depths, and with
+  // them its rotation, have this relative error (decision 0067).
   constexpr double kTurnPart = 0.06;
   // With this phase error three sigma are within a half turn. A larger one does not constrain T,
   // however accurate the rate is.
@@ -62,15 +62,16 @@ void check_attitudes(std::span<const ReanchorFrame> frames, Reanchoring* reancho
 }
 
 /// Scale k, origin q and the prediction's common offset d with k p' - R' Q^T q + d = p over all
-/// frames. What the path leaves open is held by the body: its sides have like extents, so the units
-/// of T and T', both the extent of a start's landmarks, differ little; and q is on its near side.
+/// frames. The body constrains what the translations leave undetermined: its aspects have like
+/// extents, so the units of T and T', each the extent of an initialisation's landmarks, differ
+/// little; and q lies on the visible face.
 Eigen::Vector4d scale_and_origin(std::span<const ReanchorFrame> frames,
                                  const ReanchorBody& body,
                                  const Eigen::Matrix3d& R_ba) {
   using Vector7 = Eigen::Matrix<double, 7, 1>;
   constexpr double kShapeOfPath_radii = 0.05;  // 1-sigma of the predicted path but for its offset
-  // 1-sigmas of what is taken for granted of a compact body: where its near side lies, and how
-  // alike the extents of two aspects are.
+  // Priors of a compact body, 1-sigma: the distance of its visible face from the centre, and the
+  // ratio of the extents of two aspects.
   constexpr double kNearSide_radii = 0.5;
   constexpr double kLikeExtents = 0.3;
   const auto weight = [](double sigma) { return 1.0 / (sigma * sigma); };

@@ -12,13 +12,13 @@ struct MapUpdate {
   bool applied = false;
 };
 
-/// Writes an adjustment's result into the map. With a closed loop the drift is held at both ends.
+/// Writes an adjustment's result into the map. A loop closure fixes the drift at both ends.
 MapUpdate take_adjusted(const AdjustmentSnapshot& snapshot,
                         bool usable,
                         bool closed,
                         MapState* state);
 
-/// Does the map still hold what was there before the last re-anchoring?
+/// Does the map still contain keyframes from before the last re-anchoring?
 [[nodiscard]] bool reaches_over_reanchoring(const MapState& state);
 
 /// A flow reference that is later than the adjusted keyframes moves along with them.

@@ -1,5 +1,5 @@
-// Whether this room's tables hold what the room may compute with: after they came from a file, or
-// lay in memory that radiation reaches.
+// Validity of this room's tables, for those read from a file or kept in memory that radiation
+// reaches.
 #pragma once
 
 #include <cstdint>

@@ -9,8 +9,8 @@
 namespace polhode {
 namespace {
 
-// What has not proved itself pulls less. Measured on nine rendered sequences: at 1 a spinning body
-// is lost to glints, at 3 young maps are held too loosely.
+// Factor on the sigma of observations of unconfirmed landmarks. Measured on nine rendered
+// sequences: at 1 a spinning body is lost to glints, at 3 young maps are constrained too weakly.
 constexpr double kUnconfirmedSigma = 2.4;
 
 using Slots = std::array<std::int32_t, limits::kLandmarks>;
@@ -141,9 +141,9 @@ double median_of(const AdjustmentSnapshot& s, const Map& map, const ValueOf& val
   return median(values.view());
 }
 
-/// From the adjusted map onto the one that it came from, by medians: an adjustment leaves scale and
-/// origin free, and they run away by any factor; so does a landmark that two observations hold,
-/// which would carry a least-squares fit with it.
+/// Similarity from the adjusted map back to the original, by medians. An adjustment leaves scale
+/// and origin free, so they may drift by any factor. A landmark with two observations may, too, and
+/// would bias a least-squares fit.
 Similarity back_by_medians(const AdjustmentSnapshot& s,
                            const Map& map,
                            const Eigen::Matrix3d& R_back) {

@@ -70,11 +70,11 @@ struct MapCorrection {
   }
 };
 
-/// Writes the result back to what of the snapshot is still in the map. Where no more than one
-/// keyframe was held the whole map is first brought back onto where it was: T's axes by the
-/// keyframes' attitudes, which have been published, its origin and scale by the landmarks.
-/// Keyframes and landmarks that have come since keep their place beside the snapshot's newest
-/// keyframe. An adjustment by which the body would lie behind a camera changes nothing.
+/// Writes the result back to those keyframes and landmarks of the snapshot that are still in the
+/// map. Where at most one keyframe was fixed the gauge is restored first: T's axes by the
+/// keyframes' published attitudes, its origin and scale by the landmarks. Newer keyframes and
+/// landmarks move with the snapshot's newest keyframe. A result with the body behind a camera is
+/// rejected.
 MapCorrection apply(const AdjustmentSnapshot& snapshot, Map* map);
 
 }  // namespace polhode

@@ -110,17 +110,17 @@ cv::Rect box_of_edges(const MaskState& s) {
          s.points.whole();
 }
 
-/// The unary cost of each cell that the box holds: positive for the target. By the log-odds, the
-/// outline and, with a map, the nearness to landmarks. All are weak against an even place's 6
-/// (edge_cut.hpp): what a moving target uncovers contradicts the background as much as the target
-/// does. Motion is off by that strip, and only image edges are where the target ends.
+/// The unary cost of each cell within the box: positive for the target. By the log-odds, the
+/// outline and, with a map, the nearness to landmarks. All are weak against the boundary cost of an
+/// even place, 6 (edge_cut.hpp): a strip of background that the target has just uncovered
+/// contradicts the background's model as the target does, so only image edges give the outline.
 void form_unary_cost(const cv::Rect& box, MaskState* s) {
   // Record 0007. With 0.35 the outline keeps the uncovered strip: overlap 0.88 instead of 0.93.
   constexpr float kLogOddsShare = 0.15F;
   // Places that look like the background agree by chance. With -2, landmarks on the background rose
   // from 3 of 1411 to 12 of 1363 before the Earth (decision 0007).
   constexpr float kLogOddsMin = -0.5F;
-  // Five times kTargetLogOdds. Chosen: larger lets motion alone hold the outline.
+  // Five times kTargetLogOdds. Chosen: larger lets motion alone fix the outline.
   constexpr float kLogOddsMax = 1.5F;
   // With 0.2 overlaps are within 0.02; 0.4 keeps the uncovered strip (decision 0007).
   constexpr float kOutlineShare = 0.3F;
@@ -350,8 +350,8 @@ void sharpen_outline(MaskState* s) {
     cut_at_edges(scratch.edges, cost, {.px = far_px, .cell_px = step}, &s->outline);
     cut_at_edges(scratch.edges, cost, {.px = kNearReach_px}, &s->outline);
   } else {
-    // No appearance here: outlines lack a face or hold a shadow, and it would add to that (record
-    // 0008). Cut by cells, maps before a limb begin later.
+    // No appearance here: before a map outlines lack a face or include a shadow, and it would add
+    // to that (decision 0008). Cut by cells, maps before a limb begin later.
     cut_at_edges(scratch.edges, cost, {.px = far_px}, &s->outline);
   }
   if (cv::boundingRect(s->outline).area() < kTargetAreaMin) {

@@ -12,12 +12,12 @@ namespace {
 // A larger gap than this is filled. Random points of one per squared pitch leave such a gap by
 // chance in exp(-pi 1.2^2), 1 % of the places.
 constexpr double kHole_pitches = 1.2;
-// Points of adjoining sides pull a plane inwards near the edges, by about this part of its rms.
+// Points of adjoining faces pull a plane inwards near the edges, by about this part of its rms.
 // Chosen; larger widens the sigmas of all lengths.
 constexpr double kEdgePull = 0.2;
-// A plane this near to where the points end, in lengths of the body, is a side. Chosen; larger
-// takes steps and recesses for sides, smaller misses sides with points of attachments beyond them.
-constexpr double kSideDepthMax = 0.1;
+// A plane this near to where the points end, in lengths of the body, is a face. Chosen; larger
+// takes steps and recesses for faces, smaller misses faces with points of attachments beyond them.
+constexpr double kFaceDepthMax = 0.1;
 // Points end up to a whole gap before the edge, half a gap in the mean.
 constexpr double kEndSigma_spacings = 0.5;
 // A box thinner than two gaps is not resolved by its points.
@@ -62,7 +62,7 @@ struct Face {
   bool found = false;
 };
 
-/// The box's side at one end of an axis: the plane with most points of those near that end. Without
+/// The box's face at one end of an axis: the plane with most points of those near that end. Without
 /// one, where the points end.
 Face find_face(const Planes& planes,
                const Eigen::Vector3d& axis_T,
@@ -70,8 +70,8 @@ Face find_face(const Planes& planes,
                double sign,
                double spacing) {
   const double end = sign > 0.0 ? extent.most : extent.least;
-  const double depth_max = std::max(kSideDepthMax * (extent.most - extent.least), spacing);
-  Face side{.position = end, .sigma = kEndSigma_spacings * spacing};
+  const double depth_max = std::max(kFaceDepthMax * (extent.most - extent.least), spacing);
+  Face face{.position = end, .sigma = kEndSigma_spacings * spacing};
   std::size_t inliers = 0;
   for (const Plane& plane : planes) {
     const double cosine = plane.normal_T.dot(axis_T);
@@ -79,12 +79,12 @@ Face find_face(const Planes& planes,
     if (std::abs(cosine) >= kParallelCosineMin && std::abs(position - end) <= depth_max &&
         plane.inliers > inliers) {
       inliers = plane.inliers;
-      side = {.position = position,
+      face = {.position = position,
               .sigma = std::hypot(std::sqrt(plane.covariance(2, 2)), kEdgePull * plane.rms),
               .found = true};
     }
   }
-  return side;
+  return face;
 }
 
 /// Distance of a point in box coordinates (from the centre) to the box's surface.
@@ -145,7 +145,7 @@ Result<Box> find_box(const Cloud& cloud, const Planes& planes, double spacing, d
 
 int snap_ends(const Planes& planes, Cylinder& cylinder) {
   Extent ends{.least = -0.5 * cylinder.length, .most = 0.5 * cylinder.length};
-  const double depth_max = kSideDepthMax * cylinder.length;
+  const double depth_max = kFaceDepthMax * cylinder.length;
   bool low_found = false;
   bool high_found = false;
   // In reverse order: the plane with most points comes last and overrides.

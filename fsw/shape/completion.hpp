@@ -1,5 +1,5 @@
-// Completion: fills unseen and broken sides with points of the cloud's own density. The centroid of
-// the complete body is nearer to its geometric centre than that of the sides that were seen.
+// Completion: fills unseen and broken faces with points of the cloud's own density. The centroid of
+// the complete body is nearer to its geometric centre than that of the faces that were seen.
 #pragma once
 
 #include <Eigen/Core>
@@ -32,7 +32,7 @@ struct Box {
   double explained = 0.0;            ///< part of the points within the band of its surface
 };
 
-/// Box from planes; two must be orthogonal. A side without a plane ends where the points end.
+/// Box from planes; two must be orthogonal. A face without a plane ends where the points end.
 /// @param tolerance  points this near to the box's surface are explained by it.
 /// @errors Degenerate (no two orthogonal planes), NoConsensus (too few points lie on
 /// the box: it is another body, or carries panels).
@@ -43,9 +43,9 @@ Result<Box> find_box(const Cloud& cloud, const Planes& planes, double spacing, d
 /// @return number of ends found, 0 .. 2.
 int snap_ends(const Planes& planes, Cylinder& cylinder);
 
-/// Adds points on the box's sides where the cloud has none near. Ends where the table is full.
+/// Adds points on the box's faces where the cloud has none near. Ends where the table is full.
 /// @param pitch  distance of added points from each other: 1 / sqrt(points per area) of the
-/// measured sides.
+/// measured faces.
 /// @return number added.
 std::size_t complete_box(const Box& box, double pitch, Cloud& cloud);
 

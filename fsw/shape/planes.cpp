@@ -25,7 +25,7 @@ constexpr double kSampleSineMin = 0.1;
 constexpr double kBandPartMin = 0.3;
 constexpr double kBand_sigmas = 3.0;
 // A slab of a thick cloud has about as many points beside it as on it. A surface has few: noise,
-// and the edges of adjoining sides (decision 0052).
+// and the edges of adjoining faces (decision 0052).
 constexpr double kBesideMax = 0.8;
 // What a point beside a hypothesis costs, in points on it. Chosen: a slab keeps half of its count.
 constexpr double kBesideCost = 0.5;

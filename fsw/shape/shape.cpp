@@ -14,17 +14,17 @@ namespace {
 // one.
 constexpr double kBand_spacings = 0.5;
 constexpr double kBand_thicknesses = 2.5;
-// A box or a cylinder explains points a little farther off: edges are round, sides not quite
+// A box or a cylinder explains points a little farther off: edges are round, faces not quite
 // parallel. Chosen: one spacing and one sigma more than the band.
 constexpr double kTolerance_spacings = kBand_spacings + 1.0;
 constexpr double kTolerance_thicknesses = kBand_thicknesses + 1.0;
 // Chosen: three fix a plane, seven more make a chance plane rare.
 constexpr std::size_t kPlanePointsMin = 10;
-// A cylinder has two parameters more than a plane and replaces several planes. So it must hold a
+// A cylinder has two parameters more than a plane and replaces several planes. So it must have a
 // third of all points. Chosen.
 constexpr double kCylinderPart = 0.33;
-// It must hold nearly as many points as the side planes that it replaces. Chosen; larger leaves
-// round bodies as prisms, smaller makes boxes round.
+// It must have nearly as many points as the planes that it replaces. Chosen; larger leaves round
+// bodies as prisms, smaller makes boxes round.
 constexpr double kCylinderOverPlanes = 0.9;
 // The bend of a map moves its surfaces by about this part of the noise, however many points they
 // have. On rendered bodies lengths between surfaces are off by 1 to 2 % at a noise of 3 %

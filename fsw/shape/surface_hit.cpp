@@ -25,12 +25,12 @@ constexpr double kBandDistances = 1.0;
 // Refinement does not narrow the band below this part: a few landmarks may agree by chance. Chosen.
 constexpr double kHitBandPartMin = 0.1;
 constexpr double kHitBand_sigmas = 3.0;
-// At an edge two sides share the landmarks around the ray. The nearer side is taken when it has
-// this part of the other's support. Chosen; smaller takes a few stray points in front for a side,
-// larger misses the nearer side.
+// At an edge two faces share the landmarks around the ray. The nearer face is taken when it has
+// this part of the other's support. Chosen; smaller takes a few stray points in front for a face,
+// larger misses the nearer face.
 constexpr double kFrontPart = 0.5;
-// Cosine of 78 deg: a side seen more obliquely shows next to no landmarks. A plane that leans so
-// far joins points of two sides.
+// Cosine of 78 deg: a face seen more obliquely shows next to no landmarks. A plane that leans so
+// far joins points of two faces.
 constexpr double kFacingCosineMin = 0.2;
 // A plane that crosses the ray contains two of the four landmarks nearest to it. A large face with
 // only farther landmarks would be extrapolated over a panel behind or beside the body.
@@ -97,7 +97,7 @@ void take_near(SeenTable& seen, double reach2, NearTable& near) {
     POLHODE_ASSERT(near.push_back(seen[i]), i);
   }
   // The weight is a quarter at the last witness. Landmarks far from the ray are many, and more
-  // often on another side.
+  // often on another face.
   const double close2 = near.empty() ? 0.0 : near[std::min(kWitnesses, near.size()) - 1].distance2;
   for (Seen& one : near) {
     const double ratio = close2 > 0.0 ? one.distance2 / close2 : 0.0;
@@ -155,7 +155,7 @@ bool witnessed(const InversePlane& plane, const NearTable& near, double band) {
 }
 
 /// Calls visit(plane) for the planes through all triples that pass the ray no nearer than the
-/// nearest landmark, face it and hold landmarks next to it.
+/// nearest landmark, face it and have landmarks next to it.
 template <typename Visit>
 void for_planes(const NearTable& near,
                 const Eigen::Vector2d& ray,
@@ -222,7 +222,7 @@ struct Surface {
 };
 
 /// Least squares over the plane's landmarks, selected again after each step within three sigma. So
-/// landmarks of another side next to an edge drop out. Gives inverse depth and its sigma at the
+/// landmarks of another face next to an edge drop out. Gives inverse depth and its sigma at the
 /// ray.
 bool refine(const NearTable& near, Surface* surface, InverseDepth* at_ray) {
   const double band_max = surface->band;

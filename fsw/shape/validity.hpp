@@ -1,4 +1,4 @@
-// Whether the last shape and the scale hold what may be computed with: after they came from a file,
+// Validity of the last shape and of the scale: after they came from a file,
 // or lay in memory that radiation reaches.
 #pragma once
 

@@ -181,9 +181,9 @@ class DeviatingBundle {
     }
   }
 
-  /// @param hold  keep the camera as it is
-  BundleReport solve(bool hold, int iterations_max) {
-    if (hold) {
+  /// @param fixed  the camera is constant
+  BundleReport solve(bool fixed, int iterations_max) {
+    if (fixed) {
       ceres_.SetParameterBlockConstant(deviations_.data());
     } else {
       ceres_.SetParameterBlockVariable(deviations_.data());

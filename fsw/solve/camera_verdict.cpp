@@ -70,8 +70,9 @@ Members all_kinds() {
   return all;
 }
 
-/// One after the other is held that explains least, until each explains more than chance would, and
-/// no more than the cost fell by: the form itself is of the fit's end alone.
+/// Fixes the kind of deviation that explains least, one after the other, until each explains more
+/// than chance would. No kind explains more than the fall of the cost: the quadratic form is exact
+/// at the fit's end only.
 Members backward_elimination(const CameraFit& fit) {
   Members members = all_kinds();
   while (true) {

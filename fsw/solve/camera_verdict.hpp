@@ -31,14 +31,14 @@ struct CameraFinding {
   }
 };
 
-/// Backward elimination: those that explain more than four sigma would, when all that explain less
-/// are held one by one. A focal length or zoom counts from 8 % on: right ones are off by as much as
-/// 1.9 % where the sigma is under 2 %, and by more in a bent map (decision 0083).
+/// Finds the significant deviations by backward elimination: insignificant ones, under four sigma,
+/// are fixed one by one. A focal length or zoom counts from 8 % on: with a right camera it is off
+/// by up to 1.9 % where the sigma is under 2 %, and by more in a bent map (decision 0083).
 CameraFinding find_deviations(const CameraFit& fit);
 
-/// What is held of an earlier test and a later one. A later one that contradicts something is held
-/// alone: its deviations explain the images together. Else a contradiction stands until a test that
-/// would have found it does not.
+/// Joins the findings of an earlier and a later test. A later one with any contradiction replaces
+/// the earlier: its deviations explain the images together. Else a contradiction stays until a test
+/// that could have found it does not.
 CameraFinding joined(const CameraFinding& earlier, const CameraFinding& later);
 
 /// Are all numbers such as a test finds? Not where memory was damaged.

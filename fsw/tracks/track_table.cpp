@@ -12,11 +12,11 @@ namespace {
 // A point that is missed in up to five frames is found again (decision 0097). Each further
 // frame costs another matching.
 constexpr std::size_t kLookBack = 6;
-// Frames that no track leads to any more show something else. Chosen: a body that is hidden for one
-// or two frames is still the same.
+// Frames without a track to the newest ones may show another body. Chosen: a body that is hidden
+// for one or two frames is still the same.
 constexpr std::size_t kConnected = 3;
 
-/// Keeps the tracks of which `keeps` holds, in their order.
+/// Keeps the tracks for which `keeps` is true, in their order.
 template <typename Keeps>
 void keep_tracks(const Keeps& keeps, TrackTable* table) {
   std::size_t kept = 0;
@@ -172,7 +172,7 @@ void drop_resting_tracks(TrackTable* table, RestingPlaces* resting) {
   // So many move, by as much in the middle, that the body turns. Chosen: as many as span a window
   // that is searched, and more than what a slow body's tracks differ by.
   constexpr std::size_t kMovingMin = 40;
-  // Fewer carry no start of their own, unless more are known to rest.
+  // Too few for an initialisation by themselves, unless more places are known to rest.
   constexpr std::size_t kRestingMin = 12;
   constexpr double kMoves_px = 6.0;
   FixedVector<std::size_t, limits::kInitialTracks> at_rest;  // which of the tracks

@@ -1,4 +1,4 @@
-// Where a live run begins: anew, with a model of the target, or where a checkpoint says.
+// Initial state of a live run: empty, a model of the target, or a checkpoint.
 #pragma once
 
 #include <cstdint>

@@ -29,7 +29,7 @@ constexpr int kPacketWait_ms = 200;  // after which an interruption is seen
 
 volatile std::sig_atomic_t interrupted = 0;
 
-/// Tells of damage that the reader skipped since the last call.
+/// Reports damage that the reader skipped since the last call.
 void print_loss(const polhode_bus& bus, std::uint64_t& damaged, std::uint64_t& overrun) {
   if (bus.damaged_octets != damaged) {
     print_stderr("{} octets were no packet\n", bus.damaged_octets - damaged);

@@ -15,7 +15,7 @@ struct ProbeArguments {
   int height_px = 0;
 };
 
-/// @throws UnusableInput when the device cannot be asked, or nothing of it could be used.
+/// @throws UnusableInput when the device cannot be queried, or has no usable format.
 void probe_camera(const ProbeArguments& arguments);
 
 }  // namespace polhode::platform

@@ -124,7 +124,7 @@ std::string foreign_in(const FileHeader& header, const CheckpointIdentity& ident
   return header.identity.boot_id != identity.boot_id ? "from before the machine was started" : "";
 }
 
-/// Another boot tells nothing of this one's clock: there the UTC clock has to do, which may be set.
+/// Monotonic clocks of two boots are not comparable: then the UTC clock is used, which may be set.
 double age_s(const FileHeader& header, const Moment& now) {
   const std::array<char, 36> boot = this_boot();
   const bool is_same = boot == header.boot_id && boot != std::array<char, 36>{};

@@ -63,7 +63,7 @@ std::string value_text(const ParameterRow& row, std::uint64_t bits) {
 void check_entry(const bus::TableLoadEntry& entry) {
   const ParameterRow* row = find_parameter_by_crc(entry.key_crc);
   if (row == nullptr) {
-    return;  // the component knows of others than this program
+    return;  // the component's checks differ from this program's
   }
   if (!may_change_in_flight(row->key)) {
     throw UnusableInput(fmt::format("command table_load: {}: does not change in flight", row->key));

@@ -35,7 +35,7 @@ Json level_json(const ResidualLevel& level) {
           {"outliers", level.outliers}};
 }
 
-/// A number with its sigma, or null where the data do not tell it.
+/// A number with its sigma, or null where the data do not determine it.
 Json estimated(const Estimated& e) {
   const bool known = e.observability != Observability::kUnobserved;
   return {{"value", known ? Json(e.value) : Json(nullptr)},

@@ -18,7 +18,7 @@ Json sigmas(const Eigen::Matrix3d& covariance);
 
 const char* name(Observability observability);
 
-/// Whether the poses bear out a free rigid body, and why not.
+/// Whether the poses confirm a free rigid body, and why not.
 Json fit_json(const RigidModel& model, const MotionOptions& options);
 
 /// Adds rates, principal axes, inertia ratios, periods, angular momentum, velocity and mass centre

@@ -66,7 +66,7 @@ SeenTarget seen_target(const StepOutput& out, const GroundView& view) {
     case FrameUse::kFlat:
       seen.levels = flat_levels(view.gray, view.parameters.mask);
       break;
-    default:  // of a damaged image nothing is to be learnt
+    default:  // a damaged image has no usable levels
       break;
   }
   return seen;

@@ -18,7 +18,7 @@ struct Subject {
 };
 Subject g_subject;
 
-/// Once, should writing come back here.
+/// Writes once, even if writing itself fails and calls this again.
 void write_checkpoint(const Subject& subject) {
   g_subject = {};
   if (subject.component == nullptr || pthread_equal(pthread_self(), subject.stepping) == 0) {

@@ -33,9 +33,9 @@ Pose causal_pose(const MotionState& m) {
           .p_CT = Eigen::Vector3d(m.p_CT[0], m.p_CT[1], m.p_CT[2]) / m.metres_per_mu};
 }
 
-/// Every frame's pose from the map at rest. Frames that had none at their time are looked at again.
-/// An image whose pose departs from the motion is of another time, or of the first moment after a
-/// contact: it gives none. Nor does a map that was not borne out.
+/// Every frame's pose from the converged map. Frames without a pose in the run are tried again.
+/// A pose inconsistent with the motion is left out: its image is of another time, or of the first
+/// moment after a contact. So are all poses of a map that was not confirmed.
 std::vector<SmoothedPose> smooth_frames(Component& component,
                                         const Sequence& sequence,
                                         const ReplayLog& log) {

@@ -76,7 +76,7 @@ class DurationHistogram {
 
 struct LiveCounts {
   std::uint32_t frames_accepted = 0;
-  std::uint32_t frames_dropped_for_job = 0;  ///< the work that was due had not come back
+  std::uint32_t frames_dropped_for_job = 0;  ///< the work that was due was not finished
   std::uint32_t frames_with_pose = 0;
   std::uint32_t first_pose_frame = UINT32_MAX;  ///< accepted frames before it
   std::int64_t last_step_us = 0;

@@ -58,7 +58,7 @@ bool dropped_for_job(LiveParts& parts) {
 }
 
 /// One accepted frame, from the step to everything that follows from it.
-/// @param cpu_before_ns this thread's processor time before the frame was asked for.
+/// @param cpu_before_ns this thread's processor time before the frame was requested.
 /// @return processor time of the step.
 std::int64_t take_frame(LiveParts& parts,
                         const Frame& frame,

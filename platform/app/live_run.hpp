@@ -1,4 +1,4 @@
-// The frame loop of a live run: camera, step, bus, until somebody asks it to stop.
+// The frame loop of a live run: camera, step, bus, until a request to stop.
 #pragma once
 
 #include <cstdint>

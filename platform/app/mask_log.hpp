@@ -1,4 +1,4 @@
-// What was taken for the target, frame by frame, for overlays and for judging: written on request.
+// Target masks frame by frame, for overlays and evaluation: written on request.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// polhode model save | check: what a run has learnt of its target, for another pass.
+// polhode model save | check: a run's model of its target, for another pass.
 #pragma once
 
 #include <filesystem>

@@ -68,7 +68,7 @@ std::string inertia_line(const TargetModelFacts& f) {
 
 std::string mass_centre_line(const TargetModelFacts& f) {
   const double unit = f.scale_known ? f.metres_per_mu : 1.0;
-  // Half of the body: the prior's sigma says as much.
+  // Half of the body, which is the prior's sigma.
   if (!f.body.known || !(f.body.mass_centre_sigma.maxCoeff() <= 0.5 * f.radius_mu)) {
     return "mass centre: unknown\n";
   }

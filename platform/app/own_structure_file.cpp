@@ -118,9 +118,8 @@ OwnStructureFile::OwnStructureFile(const fs::path& file, const CameraParameters&
 }
 
 std::size_t own_structure_bytes(const fs::path& file, const CameraParameters& camera) {
-  // The file is no longer than the image of 16 bits that it may hold and its headers; the
-  // image, its levels, and the two reduced ones. What PNG's library takes is told in
-  // add_sequence().
+  // The file is no longer than an image of 16 bits and its headers; then the image, its levels, and
+  // the two reduced ones. The PNG library's share is in add_sequence().
   constexpr std::size_t kPerPixel = 8;
   constexpr std::size_t kBeside = std::size_t{512} << 10U;
   return file.empty() ? 0 : kPerPixel * pixels_of(camera) + kBeside;

@@ -1,4 +1,4 @@
-// Packets of any kind decoded for people or as JSON, by the field table; what was lost is told.
+// Packets of any kind decoded as text or JSON, by the field table; losses are reported.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 namespace polhode::platform {
 
 struct PrinterOptions {
-  std::string source;  ///< named in what is said of damage
+  std::string source;  ///< named in reports of damage
   bool json = false;   ///< one object a line instead of a table
   int apid_first = 0x1A0;
 };
@@ -24,13 +24,13 @@ class PacketPrinter {
 
   void packet(const bus::PacketHeader& header, std::span<const std::uint8_t> octets);
 
-  /// Octets that belong to no packet. Told, on standard error, only once packets stand beside it: a
-  /// file of something else gets one line, not hundreds.
+  /// Octets that belong to no packet. Reported on standard error only when a packet follows: a file
+  /// of something else gets one line, not hundreds.
   void damage(std::uint64_t offset, std::size_t octets);
 
-  /// As damage(), of what its reader has told already.
+  /// As damage(), where the reader has reported it already.
   void count_damage(std::uint64_t octets) { damaged_total_ += octets; }
-  /// Packets that say nothing to us: idle ones, and other applications' without our CRC.
+  /// Packets without our content: idle ones, and other applications' without our CRC.
   void passed_over(std::uint64_t idle, std::uint64_t foreign) {
     idle_ += idle;
     foreign_ += foreign;

@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A key of the configuration, and what it says.
+/// A key of the configuration, and its value.
 struct Place {
   const fs::path& config;
   const char* key;
@@ -82,8 +82,8 @@ void lock_folder(const Place& place, std::vector<Descriptor>* locks) {
   }
 }
 
-/// A run's own bears these fields since the first version; an empty file is no loss. A link is
-/// replaced, which leaves the file it names as it is.
+/// A run's own has had these fields since the first version; an empty file is no loss. A link is
+/// replaced, which leaves its target unchanged.
 bool is_of_others(const fs::path& run_json) {
   std::error_code absent;
   if (fs::symlink_status(run_json, absent).type() != fs::file_type::regular) {

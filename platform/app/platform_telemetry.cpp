@@ -81,7 +81,7 @@ PlatformTelemetry::~PlatformTelemetry() {
   }
 }
 
-/// The second number of statm, in pages; 0 where the kernel does not tell.
+/// The second number of statm, in pages; 0 where the kernel does not give it.
 std::uint64_t PlatformTelemetry::resident_octets() const {
   std::array<char, 128> text{};
   if (statm_ < 0 || ::pread(statm_, text.data(), text.size() - 1, 0) <= 0) {

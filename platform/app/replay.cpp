@@ -176,7 +176,7 @@ CommandFile commands_of(const fs::path& file, const Parameters& parameters) {
 /// The configuration with the sequence's camera, checked as a whole.
 Parameters parameters_for(const ReplayArguments& arguments, const Sequence& sequence) {
   Configuration configuration = load_configuration(arguments.config, arguments.settings);
-  // Only a live run goes by these; a mistake in them is told all the same.
+  // Only a live run uses these; a mistake in them is reported all the same.
   (void)load_machine_options(arguments.config, arguments.settings);
   configuration.parameters.camera = sequence.camera;
   if (const auto problem = check(configuration.parameters)) {
@@ -243,7 +243,7 @@ MachineNeeds needs_of(const TransportOptions& options, const Sequence& sequence)
   return needs;
 }
 
-/// From the first frame to the last nothing is asked of the machine.
+/// From the first frame to the last no memory and no thread is requested.
 RunCost run_sealed(Run& run, const ReplayArguments& arguments) {
   RunCost cost{.at_start = machine_use(), .after_frames = {}, .pools = {}};
   const Clock::time_point start = Clock::now();
@@ -276,7 +276,7 @@ CameraReport finish_files(Run& run, const fs::path& folder) {
                        folder);
 }
 
-/// @return what was said.
+/// @return the printed remarks.
 std::vector<std::string> print_remarks(const FileCamera& camera) {
   std::vector<std::string> remarks;
   for (const std::string& remark :
@@ -300,7 +300,7 @@ void print_result(const Run& run, const fs::path& out) {
   }
 }
 
-/// Says what is doubtful, and what levels of few bits were taken for where the arguments do not.
+/// Prints warnings on the sequence, and the bit depth assumed where the arguments do not give it.
 Sequence open_with_warnings(const ReplayArguments& arguments) {
   Sequence sequence = open_sequence(arguments.sequence, arguments.pixels);
   const std::string remark =

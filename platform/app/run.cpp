@@ -95,7 +95,7 @@ MachineNeeds needs_of(const MachineOptions& machine,
   return needs;
 }
 
-/// What the machine grants of memory, core and priority; what it does not is said.
+/// Requests locked memory, core and priority from the machine; reports refusals.
 PlatformFacts settle_in(const RunOptions& request,
                         const ServiceManager& manager,
                         std::uint32_t restarts) {
@@ -124,8 +124,8 @@ WorkerOptions worker_options(const Parameters& parameters, const RunOptions& req
           .job_bytes = job_worst_case(parameters)};
 }
 
-/// From the first frame to the last nothing is asked of the machine. What ends it by an exception
-/// is a crash to the next start.
+/// From the first frame to the last no memory and no thread is requested. An exception in it counts
+/// as a crash for the next start.
 LiveEnd run_sealed(LiveParts& parts, const RunOptions& request, bool memory_trap) {
   seal_memory();
   const FramesTrapped trapped(memory_trap);
@@ -174,7 +174,7 @@ void report_end(LiveEnd end,
               frames_passed_over(camera, counts));
 }
 
-/// Where checkpoints are asked for: one now and then, and a last one when the run ends by a fault
+/// Where checkpoints are requested: one now and then, and a last one when the run ends by a fault
 /// of its own.
 void open_checkpoint(const RunOptions& options,
                      const Beginning& beginning,

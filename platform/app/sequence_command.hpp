@@ -1,4 +1,4 @@
-// polhode sequence: what is read of a sequence's tables, for programs that judge or show a replay.
+// polhode sequence: a sequence's tables as JSON, for programs that evaluate or show a replay.
 // So there is one reader of them, and what replays is what others see.
 #pragma once
 

@@ -15,7 +15,7 @@ namespace polhode::platform {
 /// along the body's. Lengths of the shape are in map units until the scale is known; they, and the
 /// file, are in metres then.
 struct ShapeReport {
-  const Shape* shape = nullptr;  ///< null: there is none, and `reason` says why
+  const Shape* shape = nullptr;  ///< null: there is none, for `reason`
   std::string reason;
   const Hull* surface = nullptr;  ///< null: the points enclose nothing
   ScaleOptions scale_options{};   ///< what was given

@@ -40,14 +40,14 @@ bool goes_through_poses(const RigidModel& model) {
 
 /// The run's model on its way through the frames.
 struct ModelOfRun {
-  RigidModel model;  ///< its reference is the last time asked
+  RigidModel model;  ///< its reference is the last requested time
   bool with_poses = false;
   std::int64_t from_ns = 0;
   std::int64_t to_ns = 0;
 };
 
-/// When a map before this one, in another frame T, gave its last pose: nothing tells that the
-/// motion of now leads back over the break between them.
+/// Time of the last pose by an earlier map, in another frame T: the present motion may not be
+/// extrapolated back over the break between the maps.
 std::int64_t end_of_map_before(std::span<const MotionState> published,
                                std::uint32_t target_frame,
                                std::int64_t first_pose_ns) {
@@ -149,7 +149,7 @@ AtFrame by_measurement(const Side& side,
   }
   Result<RateEstimate> local = estimate_rates_at(side.samples, side.index, options);
   if (local) {
-    widen_by_drift(drift, 0.0, local.value());  // the map at rest has seen the whole turn
+    widen_by_drift(drift, 0.0, local.value());  // the converged map has seen the whole turn
     at.rates = local.value();
   }
   return at;

@@ -156,7 +156,7 @@ Json cost(const SummaryInput& input) {
           {"finish_cpu_s", input.at_end.cpu_s - input.after_frames.cpu_s}};
 }
 
-/// As given, and as the map at rest has it; only the first where the map does not tell it.
+/// As given, and by the converged map; only the first where the map does not determine it.
 Json focal_length(const CameraReport& report, const CameraParameters& camera) {
   const double given_px = std::sqrt(camera.fu_px * camera.fv_px);
   Json out{{"given_px", given_px}, {"found_px", Json()}, {"sigma_px", Json()}};

@@ -22,7 +22,7 @@ struct SummaryInput {
   const Counters& counters;
   const Parameters& parameters;
   const Sequence& sequence;
-  std::vector<std::string> remarks;  ///< what else people should know
+  std::vector<std::string> remarks;  ///< further remarks for the reader
   std::string config_hash;
   std::string bus_sha256;
   std::uint64_t bus_octets = 0;

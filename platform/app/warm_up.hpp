@@ -1,5 +1,4 @@
-// Before the first frame: code, tables and libraries are brought to where the first frame wants
-// them.
+// Warm-up before the first frame: brings code, tables and libraries into memory.
 #pragma once
 
 #include "app/component_memory.hpp"

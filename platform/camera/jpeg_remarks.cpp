@@ -32,7 +32,7 @@ bool indicates_damage(const jpeg_decompress_struct& decoder, const JOCTET* file)
     case JWRN_EXTRANEOUS_DATA:
       return !are_stray(decoder, file);
     case JWRN_JPEG_EOF:
-      // Data that is missing is told by a remark of its own; whole scans are not.
+      // Missing data has a remark of its own; missing scans have none.
       return decoder.progressive_mode != 0 || decoder.comps_in_scan < decoder.num_components;
     case JWRN_JFIF_MAJOR:
     case JWRN_ADOBE_XFORM:

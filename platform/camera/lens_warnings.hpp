@@ -8,9 +8,9 @@
 
 namespace polhode::platform {
 
-/// What is doubtful, one line each, without a file's name: a principal point far from the middle, a
-/// focal length that no usual lens has, pixels that are no squares, a distortion that folds back.
-/// @param pixel_aspect  width by height of what a pixel shows
+/// Warnings, one line each, without a file's name: a principal point far from the middle, an
+/// unusual focal length, pixels that are no squares, a distortion that folds back.
+/// @param pixel_aspect  width over height of a pixel's field of view
 std::vector<std::string> lens_warnings(const CameraParameters& camera, double pixel_aspect = 1.0);
 
 /// Numbers that make no camera as they stand and a usual one in another order.

@@ -1,4 +1,4 @@
-// What a live run needs to know of the machine that it runs on: the sections [device], [run] and
+// Options of a live run on its machine: the sections [device], [run] and
 // [recording] of a configuration. The estimator does not see them.
 #pragma once
 

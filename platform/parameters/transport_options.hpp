@@ -1,4 +1,4 @@
-// What a configuration says of where packets go and commands come from, and what in the view is the
+// Options of a configuration on the destinations of packets and sources of commands, and on the
 // servicer's own. It belongs to the machine, not to the estimator's parameters.
 #pragma once
 

@@ -26,7 +26,7 @@ struct ExportReport {
   bool has_begin = false;  ///< else the replay starts where the recording does
 };
 
-/// What a recording says of its run: TOML that a replay takes, and in comments what is not the
+/// Facts of a recorded run: TOML that a replay takes, and in comments what is not the
 /// estimator's.
 std::string begin_text(std::string_view version,
                        const std::string& own_structure_sha256,

@@ -58,7 +58,7 @@ class RecordingReader {
 };
 
 /// The pixels of a frame's record as it is stored.
-/// @param octets_max  no memory is asked for more
+/// @param bytes_max  no more memory is requested
 /// @return false when they cannot be had.
 bool unpack(const RecordHeader& header, std::size_t bytes_max, std::vector<std::uint8_t>* content);
 

@@ -20,7 +20,7 @@ enum class RecordKind : std::uint8_t {
 
 enum class DropReason : std::uint8_t {
   kLate = 1,         ///< a newer one was there
-  kJob = 2,          ///< the work due at it had not come back
+  kJob = 2,          ///< the work due at it was not finished
   kNotRecorded = 3,  ///< accepted, but the disk was behind: from here on a replay differs
 };
 

@@ -56,7 +56,7 @@ Recorder::Recorder(const RecorderOptions& options, std::string begin, std::size_
 
 Recorder::~Recorder() {
   if (missed_since_ > 0) {
-    // Told by an empty place of its own: the run is over, and may wait.
+    // Marked by an empty slot of its own: the run is over, and may wait.
     (void)claim_in_turn(Patience::kEndless);
   }
   {
@@ -175,7 +175,7 @@ void Recorder::serve() {
     changed_.wait(lock, [this] { return stop_ || filled_ > 0; });
     if (filled_ == 0) {
       (void)record_refused();
-      return;  // asked to stop, and all is written
+      return;  // a stop was requested, and all is written
     }
     Slot& slot = slots_[first_];
     lock.unlock();

@@ -62,7 +62,7 @@ class Recorder {
   enum class Patience : std::uint8_t { kNone, kShort, kEndless };
   /// The next free slot, if one comes in time.
   Slot* claim(Patience patience);
-  /// As claim(), after what was missed has been told.
+  /// As claim(), after missed records have been reported.
   Slot* claim_in_turn(Patience patience);
   void commit();
   void miss();
@@ -72,7 +72,7 @@ class Recorder {
   void compress(Slot& slot, std::span<const std::uint8_t>* content);
   /// Writes down how much the disk has refused. @return false while it refuses that, too.
   bool record_refused();
-  /// As write_record(), after what was refused before has been told.
+  /// As write_record(), after refused records have been reported.
   bool write_in_turn(const RecordHeader& header, std::span<const std::uint8_t> content);
   bool write_record(RecordHeader header, std::span<const std::uint8_t> content);
 

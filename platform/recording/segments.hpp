@@ -21,7 +21,7 @@ struct SegmentLimits {
 class Segments {
  public:
   /// Looks at what is in the folder already; makes it if need be.
-  /// @param run_utc_ns tells this run's files from others'.
+  /// @param run_utc_ns identifies this run's files.
   /// @throws RunFailure when the folder cannot be made or read.
   Segments(const std::filesystem::path& folder,
            std::int64_t run_utc_ns,

@@ -29,7 +29,7 @@ struct CommandCounts {
   std::uint32_t refused_sender = 0;    ///< a Unix socket: another user's
   std::uint32_t refused_form = 0;      ///< no packet with a trailer
   std::uint32_t refused_mac = 0;       ///< not by this key
-  std::uint32_t refused_number = 0;    ///< taken before, or too old to tell
+  std::uint32_t refused_number = 0;    ///< taken before, or too old to decide
   std::uint32_t numbers_not_kept = 0;  ///< passed, but the disk refused the number, or was slow
 };
 

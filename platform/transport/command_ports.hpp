@@ -38,7 +38,7 @@ class CommandPorts {
 
   [[nodiscard]] const CommandGuard& guard() const { return guard_; }
   [[nodiscard]] std::size_t size() const { return ports_.size(); }
-  /// By the system, for want of room; of a Unix socket none, as its sender is told instead.
+  /// By the system, for want of room; of a Unix socket none, as its sender gets an error.
   [[nodiscard]] std::uint32_t dropped() const;
   /// Anybody who reaches one of the ports may give commands.
   [[nodiscard]] bool open_to_all() const;
@@ -50,7 +50,7 @@ class CommandPorts {
   };
   bool take_one(Port& port);
 
-  static constexpr std::size_t kOctets = limits::kPacketOctets + 1;  // one more tells a longer one
+  static constexpr std::size_t kOctets = limits::kPacketOctets + 1;  // one more shows a longer one
   std::vector<Port> ports_;
   CommandGuard guard_;
   std::size_t first_ = 0;  ///< port whose turn is next

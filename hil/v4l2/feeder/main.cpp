@@ -139,7 +139,7 @@ std::vector<std::uint8_t> pixels_of(const polhode::ImageView& image, __u32 pixel
   const std::size_t row = static_cast<std::size_t>(image.width_px) *
                           (image.format == polhode::PixelFormat::kGray16 ? 2 : 1);
   for (int v = 0; v < image.height_px; ++v) {
-    const std::uint8_t* from = image.data + v * image.stride_octets;
+    const std::uint8_t* from = image.data + v * image.stride_bytes;
     pixels.insert(pixels.end(), from, from + row);
   }
   const unsigned shift = 16U - bits_of(pixel_format);

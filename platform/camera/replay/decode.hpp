@@ -21,7 +21,7 @@ struct ImageHeader {
   int width_px = 0;
   int height_px = 0;
   PixelFormat format = PixelFormat::kGray8;  ///< of the decoded image
-  /// Of 16-bit pixels the bits that the camera gave, as the file says; 0: it does not say. A PGM's
+  /// Significant bits of 16-bit pixels as the file declares them; 0: it does not. A PGM's
   /// are scaled to 16 by its maxval.
   int significant_bits = 0;
   /// That the library takes for the image as a whole: a JPEG in several scans; else 0.
@@ -37,7 +37,7 @@ struct DecodedImage {
   [[nodiscard]] ImageView view() const;
 };
 
-/// Reads the header only: cheap, and tells the size before anything of that size is allocated.
+/// Reads the header only: cheap, and gives the size before anything of that size is allocated.
 Refusal read_header(Bytes file, ImageHeader& header);
 
 /// Decodes the whole file; a file that ends early or fails its checksums is refused as a whole.

@@ -92,7 +92,7 @@ class Reader {
     return true;
   }
 
-  /// Asks for 1 or 3 channels of 8 or 16 bits in the machine's order.
+  /// Requests 1 or 3 channels of 8 or 16 bits in the machine's byte order.
   bool set_transformations() {
     if (setjmp(png_jmpbuf(png_)) != 0) {
       return false;

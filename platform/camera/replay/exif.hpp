@@ -1,4 +1,4 @@
-// How a JPEG's writer says that its pixels should be turned for people.
+// The EXIF orientation of a JPEG: how its pixels should be turned for display.
 #pragma once
 
 #include "camera/replay/decode.hpp"

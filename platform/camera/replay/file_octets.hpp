@@ -10,7 +10,7 @@
 
 namespace polhode::platform {
 
-/// Where nothing else is said: an 8192x8192 image of 16-bit colour, stored raw.
+/// The default: an 8192x8192 image of 16-bit colour, stored raw.
 inline constexpr std::size_t kFileBytesMax = std::size_t{1} << 30U;
 
 /// @param bytes      keeps its capacity from file to file

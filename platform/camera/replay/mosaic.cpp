@@ -10,7 +10,7 @@
 namespace polhode::platform {
 namespace {
 
-constexpr unsigned kLitPart = 16;  // darker than this part of the largest level tells noise
+constexpr unsigned kLitPart = 16;  // darker than this part of the largest level is noise
 constexpr int kTiles = 8;          // along each edge
 constexpr std::size_t kTilePixelsMin = 128;
 constexpr std::size_t kTilesMin = 4;

@@ -14,7 +14,7 @@ namespace polhode::platform {
 /// Recorded gray sequences stay below 0.004, a Bayer sensor before a gray body has 0.2 to 0.8.
 constexpr double kMosaicContrastMin = 0.04;
 
-/// What is done about a mosaic: by what the images show, or as the user says.
+/// Handling of a mosaic: by the images, or as the user chooses.
 enum class MosaicChoice { kFind, kLevel, kKeep };
 
 /// Of the four places in a cell of 2x2 pixels: by which share of the level they are brighter than

@@ -97,7 +97,7 @@ class SensorFile {
     return value;
   }
 
-  /// Is there such a field, other than 0, false and what else says no?
+  /// Is there such a field, with another value than 0, null or false?
   [[nodiscard]] bool is_set(const std::string& field) const {
     const YAML::Node node = root_[field];
     bool yes = true;
@@ -184,7 +184,7 @@ void check_all(const SensorFile& file, const CameraParameters& camera) {
   file.check("line_time_ns", "camera.line_time_ns", camera);
 }
 
-/// Time from row to row; 0 where nothing is said.
+/// Time from row to row; 0 where the file has none.
 double line_time_ns(const SensorFile& file) {
   return file.is_set("line_time_ns") ? file.number("line_time_ns") : 0.0;
 }

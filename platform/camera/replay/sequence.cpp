@@ -143,11 +143,11 @@ ImageHeader check_first_image(const Sequence& sequence) {
                                   first_refusal.value_or("")));
 }
 
-/// What a few images of a sequence tell of its levels.
+/// Statistics of the levels of a few images of a sequence.
 struct LevelsSeen {
   unsigned largest = 0;     ///< in 16-bit images
-  int declared_bits = 0;    ///< bits, as those files say; 0: they do not
-  bool full_depth = false;  ///< one says that it uses all 16
+  int declared_bits = 0;    ///< as those files declare them; 0: they do not
+  bool full_depth = false;  ///< one declares all 16 bits
   std::size_t lit = 0;      ///< images that are not black
   std::size_t with_mosaic = 0;
   MosaicCells cells{};  ///< summed over these
@@ -157,7 +157,7 @@ void look_at(const DecodedImage& image, LevelsSeen* seen) {
   const bool is_deep = image.header.format == PixelFormat::kGray16;
   if (is_deep && image.header.significant_bits == kFullDepth_bits) {
     seen->full_depth = true;
-  } else if (is_deep) {  // one of 8 bits says nothing of the others
+  } else if (is_deep) {  // one of 8 bits is no sample of the others
     seen->largest = std::max(seen->largest, largest_level(image));
     seen->declared_bits = std::max(seen->declared_bits, image.header.significant_bits);
   }
@@ -193,9 +193,8 @@ LevelsSeen levels_seen(const Sequence& sequence) {
   return seen;
 }
 
-/// Bits of the largest level in 16-bit images: 8, 10, 12, 14 or 16; 16 for other images. Where
-/// files say their bits, levels are of so many only if none is larger, as PNG asks writers to shift
-/// them up.
+/// Bits of the largest level in 16-bit images: 8, 10, 12, 14 or 16; 16 for other images. Bits that
+/// the files declare count only if no level is larger: PNG requires writers to shift levels up.
 int depth_of(const LevelsSeen& seen) {
   if (seen.full_depth || seen.largest == 0) {
     return kFullDepth_bits;

@@ -18,7 +18,7 @@ struct SequenceFrame {
   std::string file;  ///< inside SEQ/mav0/cam0/data
 };
 
-/// What the user says of the pixels.
+/// The user's choices on the pixels.
 struct PixelChoices {
   int depth_bits = 0;  ///< of 16-bit images, 8, 10, 12, 14 or 16; 0: as they are found
   MosaicChoice mosaic = MosaicChoice::kFind;
@@ -40,7 +40,7 @@ struct Sequence {
 /// a pixel; one more for what a compressor adds to noise, and 1 MiB for profiles and remarks.
 std::size_t frame_bytes_max(const CameraParameters& camera);
 
-/// What the tables say, whatever the images are.
+/// Content of the tables, without the images.
 struct SequenceTables {
   Sensor sensor;
   std::vector<SequenceFrame> frames;  ///< as Sequence's
@@ -51,8 +51,8 @@ struct SequenceTables {
 /// @throws UnusableInput as open_sequence() does for these.
 SequenceTables read_tables(const std::filesystem::path& path, LensNeed need = LensNeed::kNumbers);
 
-/// Reads data.csv and sensor.yaml, looks at the first image that has a readable header and asks for
-/// the size of all files: memory for them is planned.
+/// Reads data.csv and sensor.yaml, the first readable image header, and the sizes of all files, for
+/// the plan of memory.
 /// @throws UnusableInput naming the file and, where there is one, line and field: not a sequence,
 /// no frames, a time stamp that repeats or runs back, stamps of another unit, an unusable camera,
 /// images of another size.

@@ -25,7 +25,7 @@ constexpr std::int64_t kIntervalMin_ns = 10'000;
 // Stamps of another unit are off by it and by little else: clocks are good to 1e-4, and rates are
 // written with two digits.
 constexpr double kUnitTolerance = 0.02;
-// Chosen: every second image left out is told, a rate that was rounded is not.
+// Chosen: every second image left out is reported, a rounded rate is not.
 constexpr double kRateFactorMax = 1.5;
 
 std::vector<std::int64_t> intervals_of(std::span<const std::int64_t> stamps_ns) {

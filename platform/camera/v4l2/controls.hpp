@@ -33,7 +33,7 @@ class ExposureControls {
   /// @param fraction of the control's range, 0 .. 1.
   bool set_gain(DeviceCalls& calls, int device, double fraction);
 
-  /// As the device has it now; `otherwise_ns` where it does not tell.
+  /// As the device has it now; `otherwise_ns` where it does not give it.
   [[nodiscard]] std::int64_t exposure_ns(std::int64_t otherwise_ns) const {
     return exposure_.present && exposure_setting_ > 0 ? exposure_setting_ * kUnit_ns : otherwise_ns;
   }

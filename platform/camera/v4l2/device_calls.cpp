@@ -24,7 +24,7 @@ class LinuxDeviceCalls final : public DeviceCalls {
   void close(int device) override { ::close(device); }
 
   int ioctl(int device, unsigned long request, void* argument) override {
-    // A signal may come in between; a device that answers so for ever is given up.
+    // A signal may interrupt the call; a device that always answers so is abandoned.
     constexpr int kTriesMax = 100;
     for (int i = 0; i < kTriesMax; ++i) {
       if (::ioctl(device, request, argument) >= 0) {

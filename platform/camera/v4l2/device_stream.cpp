@@ -209,7 +209,7 @@ OpenResult DeviceStream::set_format() {
   if (planes_ < 1 || planes_ > VIDEO_MAX_PLANES) {
     return failed("S_FMT gave no planes", -EPROTO);
   }
-  // What was only asked for may differ from what is in force.
+  // The requested format may differ from the one in force.
   if (!choose_format(std::span(&format_, 1), request_.format)) {
     return failed("S_FMT gave another format", -EPROTO);
   }
@@ -299,7 +299,7 @@ TakeResult DeviceStream::take(int timeout_ms, TakenBuffer* taken) {
     if (events == 0) {
       return TakeResult::kNothing;
     }
-    // An error or a hang-up is told by the next call, too, and there with its reason.
+    // An error or a hang-up is reported by the next call, too, and there with its reason.
   }
   NamedBuffer named(type_, 0, planes_);
   const v4l2_buffer& buffer = named.buffer;

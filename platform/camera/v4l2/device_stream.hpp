@@ -1,5 +1,5 @@
 // An open capture device with its ring of mapped buffers: opened, configured, started, read and
-// closed. Knows one attempt; what to do after a failure is V4l2Camera's matter.
+// closed. Makes one attempt; V4l2Camera decides what follows a failure.
 #pragma once
 
 #include <array>
@@ -29,8 +29,8 @@ struct DeviceRequest {
   int buffers = 4;
 };
 
-/// What a device says of itself and of its place in the machine: a node's number may be another
-/// one's after the device was away, these are not.
+/// Identity of a device: its name and its place in the machine. The number of its node may change
+/// while the device is away.
 struct DeviceIdentity {
   std::array<char, 16> driver{};
   std::array<char, 32> card{};
@@ -44,7 +44,7 @@ enum class OpenResult : std::uint8_t {
   kAbsent,      ///< no such node, or it has gone meanwhile
   kOther,       ///< not the device that is insisted on; nothing was set
   kBusy,        ///< another program has it
-  kUnsuitable,  ///< not a capture device, or not in the wished format: trying again will not help
+  kUnsuitable,  ///< no capture device, or without the requested format: trying again will not help
   kFailed,      ///< a call failed that should not
 };
 
@@ -69,10 +69,10 @@ class DeviceStream {
   DeviceStream(const DeviceStream&) = delete;
   DeviceStream& operator=(const DeviceStream&) = delete;
 
-  /// @param path of the node; the wish's, or where the same device may be found instead.
+  /// @param path of the node: the requested one, or another of the same device.
   OpenResult open(const char* path);
   OpenResult open() { return open(request_.path.c_str()); }
-  /// Whether the wished device would do; nothing is streamed, and it is closed again.
+  /// Whether the requested device is usable; nothing is streamed, and it is closed again.
   OpenResult check();
   /// From now on no other device is taken.
   void insist_on(const DeviceIdentity& identity) { only_ = identity; }
@@ -92,7 +92,7 @@ class DeviceStream {
   }
 
   [[nodiscard]] const char* path() const { return path_.data(); }  ///< of the last attempt
-  /// All zero until the device has told it.
+  /// All zero until the device has reported it.
   [[nodiscard]] const DeviceIdentity& identity() const { return identity_; }
   [[nodiscard]] const OfferedFormat& format() const { return format_; }
   [[nodiscard]] double rate_hz() const { return rate_hz_; }
@@ -139,7 +139,7 @@ std::uint32_t capture_type(const v4l2_capability& capability);
 
 inline constexpr std::size_t kAskedFormats = 32;
 
-/// Asks the device (TRY_FMT) what it would give in each format that the driver can read.
+/// Queries (TRY_FMT) the device's answer for each format that this driver can read.
 /// @param type capture_type().
 FixedVector<OfferedFormat, kAskedFormats> ask_formats(
     DeviceCalls& calls, int device, std::uint32_t type, int width_px, int height_px);

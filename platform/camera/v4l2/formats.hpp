@@ -45,7 +45,7 @@ const PixelPacking* find_packing(std::string_view name);
 /// "GREY", or "Y16 -BE" for formats with an unprintable or flagged code.
 std::string fourcc_text(std::uint32_t fourcc);
 
-/// What a device answers when it is asked for a format at a size.
+/// A device's answer to a request for a format at a size.
 struct OfferedFormat {
   std::uint32_t fourcc = 0;
   int width_px = 0;
@@ -68,7 +68,7 @@ struct FormatRequest {
 /// memory.
 bool consistent(const OfferedFormat& offered);
 
-/// The most preferred consistent format of the wished size. @return its index, or nothing.
+/// The most preferred consistent format of the requested size. @return its index, or nothing.
 std::optional<std::size_t> choose_format(std::span<const OfferedFormat> offered,
                                          const FormatRequest& request);
 

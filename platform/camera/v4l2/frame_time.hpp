@@ -28,7 +28,7 @@ constexpr std::int64_t mid_exposure_ns(std::int64_t stamp_ns, const ExposureTimi
 class SequenceWatch {
  public:
   /// @return frames missing before this one. A number that repeats or runs back is a device that
-  /// began to count anew, or does not count.
+  /// restarted its count, or does not count.
   std::uint32_t missing_before(std::uint32_t sequence) {
     const std::uint32_t step = sequence - last_;  // wraps with the counter
     const bool begun = begun_;

@@ -1,5 +1,5 @@
 // libjpeg takes its memory through a table of functions of the decoder; here they draw on one block
-// that each image begins to fill anew.
+// that each image fills from its beginning.
 #include "camera/v4l2/jpeg_decoder.hpp"
 
 #include <cstdio>  // jpeglib.h needs FILE

@@ -21,8 +21,8 @@ class JpegDecoder {
 
   /// @param gray   room for width times height.
   /// @return false when the bytes are no whole baseline JPEG image of this size (an image that
-  /// ends early is refused, not painted gray), or it asks for more memory than such images do. The
-  /// next one is decoded none the worse for it. No heap.
+  /// ends early is refused, not filled with gray), or it needs more memory than such images do. The
+  /// next image is decoded as usual. No heap.
   [[nodiscard]] bool decode(std::span<const std::uint8_t> bytes, std::uint8_t* gray);
 
   /// The most that an image has taken so far, of memory_octets().

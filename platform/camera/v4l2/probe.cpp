@@ -11,7 +11,7 @@
 namespace polhode::platform {
 namespace {
 
-// A device that never says "no more" is cut off.
+// A bound for a device whose list never ends.
 constexpr std::uint32_t kEntriesMax = 64;
 
 template <std::size_t kSize>

@@ -108,7 +108,7 @@ OpenResult V4l2Camera::open() {
 }
 
 void V4l2Camera::set_exposure(std::int64_t exposure_ns, double gain) {
-  options_.exposure_ns = exposure_ns;  // once more when the device comes back
+  options_.exposure_ns = exposure_ns;  // applied again when the device returns
   options_.gain = gain;
   if (exposure_ns > 0) {
     exposure_before_ns_ = stream_.controls().exposure_ns(exposure_ns);

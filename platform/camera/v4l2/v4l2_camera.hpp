@@ -24,7 +24,7 @@ struct V4l2Options {
   int backlog_frames_max =
       1;  ///< filled buffers that may wait; beyond it the oldest are passed over
   std::int64_t silence_max_ns =
-      2'000'000'000;  ///< a stream that brings nothing for so long is opened anew
+      2'000'000'000;  ///< a stream without frames for this long is opened again
 };
 
 class V4l2Camera final : public LiveCamera {

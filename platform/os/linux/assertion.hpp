@@ -9,7 +9,7 @@ namespace polhode::platform {
 /// Takes no memory.
 void print_assertions();
 
-/// What is then said.
+/// Prints the report.
 void print_assertion(const AssertionReport& report);
 
 }  // namespace polhode::platform

@@ -15,7 +15,7 @@ inline std::int64_t clock_ns(clockid_t clock) {
   return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
 }
 
-/// A moment that can be told again after a restart of the program.
+/// A time that stays comparable after a restart of the program.
 struct Moment {
   std::int64_t utc_ns = 0;
   std::int64_t since_boot_ns = 0;  ///< the machine's, in suspension, too: nobody sets this clock

@@ -1,4 +1,4 @@
-// What is left to say when the program has to end.
+// A last message on stderr when the program has to end.
 #pragma once
 
 #include <unistd.h>

@@ -18,8 +18,8 @@ void pin_libraries() {
   // With more threads the pool's own allocator maps memory for itself, and a step would no longer
   // be one thread.
   cv::setNumThreads(1);
-  // Else the first call of the vision library loads a graphics-card runtime. An explicit wish of
-  // the user stays.
+  // Else the first call of the vision library loads a graphics-card runtime. An explicit choice
+  // of the user stays.
   ::setenv("OPENCV_OPENCL_RUNTIME", "disabled", 0);
 }
 

@@ -1,4 +1,4 @@
-// What a service manager (systemd) is told: that the run is ready, that it makes progress, what it
+// Notifications to a service manager (systemd): the run is ready, it makes progress, what it
 // is doing, that it stops. Without one, nothing.
 #pragma once
 
@@ -21,8 +21,8 @@ class ServiceManager {
   void ready() { notify("READY=1\nSTATUS=running"); }
   void stopping() { notify("STOPPING=1\nSTATUS=stopping"); }
   void status(std::string_view line);
-  /// Strokes the watchdog. To be called after real progress and never else; told on when a quarter
-  /// of the watchdog's time has passed since the last.
+  /// Notifies the watchdog. To be called after real progress and never else; sent on once a quarter
+  /// of the watchdog's time has passed since the last notification.
   void progress(std::int64_t now_ns);
 
   /// 0: nobody watches.

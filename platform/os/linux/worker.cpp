@@ -73,7 +73,7 @@ Worker::~Worker() {
 void Worker::start_thread() {
   pthread_attr_t attributes;
   pthread_attr_init(&attributes);
-  // Said explicitly: the default is the shell's limit, 8 MB and more of address space a thread.
+  // Set explicitly: the default is the shell's limit, 8 MB and more of address space a thread.
   pthread_attr_setstacksize(&attributes, options_.stack_bytes);
   const int problem = pthread_create(&thread_, &attributes, thread_main, this);
   pthread_attr_destroy(&attributes);

@@ -14,7 +14,7 @@
 namespace polhode::platform {
 
 struct WorkerOptions {
-  bool own_thread = true;  ///< false: a job is run where it is asked for, on the caller's thread
+  bool own_thread = true;  ///< false: a job runs on the caller's thread, at once
   std::size_t stack_bytes = std::size_t{2} << 20;  ///< the solvers take under 1 MB of it
   int core = 1;  ///< that the thread is bound to where the machine has it
   /// Real-time priority (SCHED_FIFO) of the thread where the machine grants it; 0: an ordinary one.
@@ -27,7 +27,7 @@ struct WorkerOptions {
   std::size_t job_bytes = 0;
 };
 
-/// What the thread got of what it asked for.
+/// Which of its requests the thread was granted.
 struct WorkerState {
   bool own_thread = false;
   bool bound_to_core = false;

@@ -210,11 +210,11 @@ std::optional<Received> DatagramReceiver::next(std::span<std::uint8_t> into) {
   message.msg_iovlen = 1;
   message.msg_control = beside.data();
   // A file that somebody sends along is closed by the system where there is no room for it beside:
-  // only for what this socket asked for.
+  // only for options that this socket has set.
   message.msg_controllen = is_unix_ ? CMSG_SPACE(sizeof(ucred)) : CMSG_SPACE(sizeof dropped_);
   const ssize_t got = ::recvmsg(socket_.get(), &message, MSG_DONTWAIT | MSG_CMSG_CLOEXEC);
   if (got < 0) {
-    return std::nullopt;  // an error of a sender's (ECONNREFUSED) says nothing to a receiver
+    return std::nullopt;  // an error of a sender (ECONNREFUSED) does not concern a receiver
   }
   Received received{.octets = static_cast<std::size_t>(got)};
   for (cmsghdr* control = CMSG_FIRSTHDR(&message); control != nullptr;

@@ -23,7 +23,7 @@ class Heap {
  public:
   static constexpr std::size_t kAlignment = 16;
 
-  /// Takes over `memory`, aligned to 16 bytes and under 2^40 of them; what was there is forgotten.
+  /// Takes over `memory`, aligned to 16 bytes and under 2^40 of them; its content is discarded.
   void open(std::span<std::byte> memory);
   [[nodiscard]] bool is_open() const { return first_ != nullptr; }
   [[nodiscard]] bool contains(const void* p) const;
@@ -45,7 +45,7 @@ class Heap {
 
  private:
   struct Block;
-  // 32 classes to each power of two: a block is at most 3 % larger than asked for.
+  // 32 classes to each power of two: a block is at most 3 % larger than requested.
   static constexpr unsigned kSecondBits = 5;
   static constexpr unsigned kSeconds = 1U << kSecondBits;
   static constexpr unsigned kFirsts = 32;

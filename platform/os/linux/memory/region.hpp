@@ -50,9 +50,9 @@ class PoolScope {
   Pool before_;
 };
 
-/// As long as it lives, what the calling thread asks for lies beside the pools, in memory that is
-/// acquired for it: large buffers with a row of their own in the plan. Before the seal; after it
-/// there is nothing but the pools.
+/// During its lifetime the calling thread's allocations lie outside of the pools, in memory of
+/// their own: for large buffers with a row in the plan. Only before the seal; after it there are
+/// the pools alone.
 class BesideScope {
  public:
   BesideScope();
@@ -80,7 +80,7 @@ std::uint32_t take_overdrafts(Pool pool);
 
 /// Called once when the reserve is exhausted too; must not return. The libraries do not survive a
 /// null pointer (they crash, free twice, leak), so they never see one. Without a hook the process
-/// says what happened and ends with kMemoryExhausted.
+/// reports it and ends with kMemoryExhausted.
 using ExhaustionHook = void (*)(Pool pool, std::size_t bytes);
 void set_exhaustion_hook(ExhaustionHook hook);
 inline constexpr int kMemoryExhausted = 3;
