@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <system_error>
 
-#include "camera/replay/file_octets.hpp"
+#include "camera/replay/file_bytes.hpp"
 #include "errors.hpp"
 
 namespace polhode::platform {

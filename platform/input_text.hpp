@@ -18,7 +18,7 @@ inline constexpr std::size_t kSettingsBytesMax = std::size_t{1} << 20U;
 
 /// Never waits: a FIFO, a device or a folder is refused. A byte-order mark is passed over.
 /// @throws UnusableInput naming the file: it cannot be read, is no regular file, is larger than
-/// `octets_max`, or is UTF-16; RunFailure where the machine is at fault, as fail_at_start() has it.
+/// `bytes_max`, or is UTF-16; RunFailure where the machine is at fault, as fail_at_start() has it.
 std::string read_text(const std::filesystem::path& file, std::size_t bytes_max);
 
 /// Nothing of this name is there. A link that leads nowhere, and what may not be looked at, is.

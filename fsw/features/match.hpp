@@ -10,7 +10,7 @@
 
 namespace polhode {
 
-/// Squared Euclidean distance. Inline and of constant length: within widely() it is vectorised.
+/// Squared Euclidean distance. Inline and of constant length: within with_avx2() it is vectorised.
 inline int distance2(const Descriptor& a, const Descriptor& b) {
   int sum = 0;
   for (std::size_t i = 0; i < std::tuple_size_v<Descriptor>; ++i) {

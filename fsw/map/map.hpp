@@ -84,7 +84,7 @@ struct Map {
 KeyframeId add_keyframe(Map* map);
 LandmarkId add_landmark(Map* map);
 
-/// Frees the slot; the landmark's observations are untied.
+/// Frees the slot; the landmark's observations are unassociated.
 void remove_landmark(LandmarkId id, Map* map);
 /// As remove_landmark() of each, none twice, in one pass over the keyframes.
 void remove_landmarks(std::span<const LandmarkId> ids, Map* map);

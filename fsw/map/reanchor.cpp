@@ -72,17 +72,17 @@ Eigen::Vector4d scale_and_origin(std::span<const ReanchorFrame> frames,
   constexpr double kShapeOfPath_radii = 0.05;  // 1-sigma of the predicted path but for its offset
   // Priors of a compact body, 1-sigma: the distance of its visible face from the centre, and the
   // ratio of the extents of two aspects.
-  constexpr double kNearSide_radii = 0.5;
+  constexpr double kNearFace_radii = 0.5;
   constexpr double kLikeExtents = 0.3;
   const auto weight = [](double sigma) { return 1.0 / (sigma * sigma); };
   const double shape_weight = weight(kShapeOfPath_radii * body.radius_mu);
   const Pose& last = frames.back().predicted;
   const Eigen::Vector3d near_face_T =
       body.centre_T +
-      kNearSide_radii * body.radius_mu * (last.camera_T() - body.centre_T).normalized();
+      kNearFace_radii * body.radius_mu * (last.camera_T() - body.centre_T).normalized();
   Vector7 weights;
   weights << weight(kLikeExtents),
-      Eigen::Vector3d::Constant(weight(kNearSide_radii * body.radius_mu)),
+      Eigen::Vector3d::Constant(weight(kNearFace_radii * body.radius_mu)),
       Eigen::Vector3d::Constant(weight(frames.front().predicted_sigma_mu));
   Vector7 expected;
   expected << 1.0, near_face_T, Eigen::Vector3d::Zero();

@@ -60,7 +60,7 @@ constexpr std::size_t adjustment_bytes_max(std::size_t observations, std::size_t
   return kOfObservation * observations + sizeof(double) * unknowns * unknowns + kOfAll;
 }
 
-/// Poses and points are changed in place; at most as many as BundleLimits says. Where fewer than
+/// Poses and points are changed in place; at most as many as in BundleLimits. Where fewer than
 /// two poses are fixed, only the damping constrains the rest of the gauge: the caller re-aligns.
 struct BundleProblem {
   std::span<InverseDepthPose> poses;

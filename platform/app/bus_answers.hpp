@@ -29,8 +29,8 @@ class BusAnswers {
   using Sequences = std::vector<std::uint16_t>;
 
   /// Before the commands are sent: passes over what is there already, as in a file, and reads what
-  /// the ports have counted so far, which comes once a second. What they refuse afterwards can then
-  /// be told from that.
+  /// the ports have counted so far, which comes once a second. Later refusals are then
+  /// distinguished from these.
   void begin(double timeout_s);
 
   /// Prints each answer as it comes.

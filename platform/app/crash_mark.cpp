@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "base/crc.hpp"
-#include "camera/replay/file_octets.hpp"
+#include "camera/replay/file_bytes.hpp"
 
 namespace polhode::platform {
 namespace {

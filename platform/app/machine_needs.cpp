@@ -39,8 +39,8 @@ MachineNeeds transport_needs(const TransportOptions& options, const CameraParame
                      .general_bytes = own_structure_bytes(options.own_structure_file, camera)};
   if (!options.transport.commands.key.empty()) {
     // OpenSSL's contexts of one MAC, given back after each; 3 kB with OpenSSL 3.0.
-    constexpr std::size_t kMac_octets = std::size_t{16} << 10U;
-    needs.general_bytes += kMac_octets;
+    constexpr std::size_t kMac_bytes = std::size_t{16} << 10U;
+    needs.general_bytes += kMac_bytes;
   }
   for (const std::string& text : options.transport.send) {
     const AddressKind kind = parse_address(text).kind;

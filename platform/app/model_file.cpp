@@ -25,18 +25,18 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kMagic = "PLHMODEL";
-constexpr std::size_t kNumberOctets = 8;
-constexpr std::size_t kHeaderOctets = kMagic.size() + 2 * kNumberOctets;  // bytes, CRC-32
+constexpr std::size_t kNumberBytes = 8;
+constexpr std::size_t kHeaderBytes = kMagic.size() + 2 * kNumberBytes;  // bytes, CRC-32
 
 void put_number(std::uint64_t number, std::uint8_t* out) {
-  for (std::size_t i = 0; i < kNumberOctets; ++i) {
+  for (std::size_t i = 0; i < kNumberBytes; ++i) {
     out[i] = static_cast<std::uint8_t>(number >> 8 * i);
   }
 }
 
 std::uint64_t number_at(const std::uint8_t* bytes) {
   std::uint64_t number = 0;
-  for (std::size_t i = 0; i < kNumberOctets; ++i) {
+  for (std::size_t i = 0; i < kNumberBytes; ++i) {
     number |= std::uint64_t{bytes[i]} << 8 * i;
   }
   return number;
@@ -92,10 +92,10 @@ std::string load_model_file(const fs::path& file, Component* component, TargetMo
     return problem ? fmt::format("cannot be read: {}", problem.message()) : "no regular file";
   }
   const std::uintmax_t bytes = fs::file_size(file, problem);
-  if (problem || bytes < kHeaderOctets || !begins_as_model(file)) {
+  if (problem || bytes < kHeaderBytes || !begins_as_model(file)) {
     return "no model of a target";
   }
-  if (bytes > kHeaderOctets + target_model_octets_max()) {
+  if (bytes > kHeaderBytes + target_model_octets_max()) {
     return "larger than this program's tables";
   }
   const TableMemory memory(bytes);  // beside the pools, which are the libraries'
@@ -105,9 +105,9 @@ std::string load_model_file(const fs::path& file, Component* component, TargetMo
   if (!in) {
     return "cannot be read to its end";
   }
-  const std::span<const std::uint8_t> content = whole.subspan(kHeaderOctets);
+  const std::span<const std::uint8_t> content = whole.subspan(kHeaderBytes);
   if (number_at(&whole[kMagic.size()]) != content.size() ||
-      number_at(&whole[kMagic.size() + kNumberOctets]) != crc32_iso_hdlc(content)) {
+      number_at(&whole[kMagic.size() + kNumberBytes]) != crc32_iso_hdlc(content)) {
     return "cut off or damaged";
   }
   const Result<TargetModelFacts> loaded = load_target_model(content, component);
@@ -136,17 +136,16 @@ void check_model_place(const fs::path& file) {
 }
 
 void write_model_file(const fs::path& file, const Component& component) {
-  const TableMemory memory(kHeaderOctets + target_model_octets_max());
+  const TableMemory memory(kHeaderBytes + target_model_octets_max());
   const std::span<std::uint8_t> out = bytes_of(memory);
-  const std::size_t bytes = save_target_model(component, out.subspan(kHeaderOctets));
+  const std::size_t bytes = save_target_model(component, out.subspan(kHeaderBytes));
   if (bytes == 0) {
     throw RunFailure(fmt::format("{}: not written: there is no map", file.string()));
   }
   std::memcpy(out.data(), kMagic.data(), kMagic.size());
   put_number(bytes, &out[kMagic.size()]);
-  put_number(crc32_iso_hdlc(out.subspan(kHeaderOctets, bytes)),
-             &out[kMagic.size() + kNumberOctets]);
-  write_file(file, {reinterpret_cast<const char*>(out.data()), kHeaderOctets + bytes});
+  put_number(crc32_iso_hdlc(out.subspan(kHeaderBytes, bytes)), &out[kMagic.size() + kNumberBytes]);
+  write_file(file, {reinterpret_cast<const char*>(out.data()), kHeaderBytes + bytes});
 }
 
 std::string describe(const TargetModelFacts& f) {

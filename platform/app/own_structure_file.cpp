@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "camera/replay/decode.hpp"
-#include "camera/replay/file_octets.hpp"
+#include "camera/replay/file_bytes.hpp"
 #include "errors.hpp"
 #include "os/linux/memory/region.hpp"
 #include "parameters/sha256.hpp"

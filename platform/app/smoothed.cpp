@@ -117,7 +117,7 @@ AtFrame by_model(std::int64_t timestamp_ns, ModelOfRun* run) {
   return by_model;
 }
 
-/// Those of the samples that are on the same side of a disturbance as one of them.
+/// The samples before a disturbance, or those after it.
 struct Side {
   std::span<const PoseSample> samples;
   std::size_t index = 0;

@@ -18,7 +18,7 @@ struct ExportReport {
   std::uint64_t commands = 0;
   std::uint64_t out_of_time =
       0;  ///< frames whose times do not increase: left out, as no sequence has such
-  std::uint64_t octets_lost = 0;
+  std::uint64_t bytes_lost = 0;
   std::uint32_t files_lost = 0;
   std::string own_structure_sha256 =
       {};  ///< of the image that mask.file named; it is not in the recording

@@ -6,7 +6,7 @@
 #include <charconv>
 
 #include "base/crc.hpp"
-#include "camera/replay/file_octets.hpp"
+#include "camera/replay/file_bytes.hpp"
 #include "config/limits.hpp"
 #include "errors.hpp"
 #include "recording/segments.hpp"
@@ -119,7 +119,7 @@ void RecordingReader::pass_over(std::uint64_t from) {
   while (at_ < bytes_.size() && !decode_record_header(std::span(bytes_).subspan(at_))) {
     ++at_;
   }
-  octets_lost_ += at_ - from;
+  bytes_lost_ += at_ - from;
 }
 
 bool RecordingReader::read_record(Record* record) {

@@ -38,7 +38,7 @@ class RecordingReader {
   bool next(Record* record);
 
   /// Bytes that were passed over, because they were damaged or cut off.
-  [[nodiscard]] std::uint64_t octets_lost() const { return octets_lost_; }
+  [[nodiscard]] std::uint64_t bytes_lost() const { return bytes_lost_; }
   /// Files that are missing or could not be read.
   [[nodiscard]] std::uint32_t files_lost() const { return files_lost_; }
 
@@ -53,7 +53,7 @@ class RecordingReader {
   std::size_t at_ = 0;
   /// Of the run's camera, once the record that names it was read.
   std::size_t frame_bytes_max_ = 2 * limits::kImageSide * limits::kImageSide;
-  std::uint64_t octets_lost_ = 0;
+  std::uint64_t bytes_lost_ = 0;
   std::uint32_t files_lost_ = 0;
 };
 

@@ -73,14 +73,14 @@ class CommandGuard {
   CommandCounts counts_;
 };
 
-/// @throws UnusableInput saying what a key file is.
+/// @throws UnusableInput with a description of key files.
 polhode_key read_key(const std::filesystem::path& file);
 
 /// Of the settings, if they name one. @throws UnusableInput naming commands.key.
 std::optional<polhode_key> key_of(const CommandSettings& settings);
 
-/// @return empty, or what is wrong with these settings, by key: ports of no kind that commands come
-/// by, or that would take them from anybody without the settings saying so.
+/// @return empty, or the mistake in these settings, by key: ports of an unknown kind, or ports that
+/// would take commands from anybody without explicit permission.
 std::string problem_of(const std::vector<std::string>& receive, const CommandSettings& settings);
 
 }  // namespace polhode::platform

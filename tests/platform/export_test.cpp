@@ -100,13 +100,13 @@ TEST(Export, SaysWhenTheBytesWillDiffer) {
   EXPECT_TRUE(replays_to_the_same_bytes({.has_begin = true}));
   EXPECT_FALSE(replays_to_the_same_bytes({.has_begin = false}));
   EXPECT_FALSE(replays_to_the_same_bytes({.not_recorded = 1, .has_begin = true}));
-  EXPECT_FALSE(replays_to_the_same_bytes({.octets_lost = 1, .has_begin = true}));
+  EXPECT_FALSE(replays_to_the_same_bytes({.bytes_lost = 1, .has_begin = true}));
   EXPECT_FALSE(replays_to_the_same_bytes({.files_lost = 1, .has_begin = true}));
 }
 
 TEST(Export, NamesWhatARecordingHasLost) {
   EXPECT_EQ(losses_of({.dropped = 3, .has_begin = true}), "");
-  EXPECT_EQ(losses_of({.not_recorded = 2, .out_of_time = 1, .octets_lost = 41, .files_lost = 1}),
+  EXPECT_EQ(losses_of({.not_recorded = 2, .out_of_time = 1, .bytes_lost = 41, .files_lost = 1}),
             "its beginning has been removed, 41 octets damaged, 1 files missing or not to be read, "
             "2 frames not recorded, 1 frames out of time");
 }

@@ -168,9 +168,9 @@ TEST(Recording, WhatAFullDiskRefusesIsWrittenDown_OnceThereIsRoom) {
     }
     recorder.frame(frame_of(++time_ns, pixels));
   }
-  std::uint64_t octets_lost = 0;
-  const auto records = read_all(folder.path(), &octets_lost);
-  EXPECT_EQ(octets_lost, 0U);
+  std::uint64_t bytes_lost = 0;
+  const auto records = read_all(folder.path(), &bytes_lost);
+  EXPECT_EQ(bytes_lost, 0U);
   ASSERT_EQ(records.size(), 4U);
   EXPECT_EQ(records[2].header.reason, DropReason::kNotRecorded);
   EXPECT_EQ(records[2].header.count, 3U);

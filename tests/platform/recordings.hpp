@@ -61,7 +61,7 @@ inline RecorderOptions options(const fs::path& folder) {
 
 inline constexpr std::size_t kFrameBytes = 2 * kWidth * kHeight;
 
-inline std::vector<Record> read_all(const fs::path& folder, std::uint64_t* octets_lost = nullptr) {
+inline std::vector<Record> read_all(const fs::path& folder, std::uint64_t* bytes_lost = nullptr) {
   const auto runs = recorded_runs(folder);
   RecordingReader reader(runs.back());
   std::vector<Record> records;
@@ -69,8 +69,8 @@ inline std::vector<Record> read_all(const fs::path& folder, std::uint64_t* octet
   while (reader.next(&record)) {
     records.push_back(record);
   }
-  if (octets_lost != nullptr) {
-    *octets_lost = reader.octets_lost();
+  if (bytes_lost != nullptr) {
+    *bytes_lost = reader.bytes_lost();
   }
   return records;
 }

@@ -30,14 +30,14 @@ class Tiff {
 
 /// Of the first folder.
 int orientation_of(const Tiff& tiff) {
-  constexpr std::size_t kEntryOctets = 12;
+  constexpr std::size_t kEntryBytes = 12;
   constexpr std::size_t kEntriesMax = 512;  // cameras write some ten
   constexpr std::size_t kOrientation = 0x0112;
   constexpr std::size_t kShort = 3;
   const std::size_t folder = tiff.number(4, 4);
   const std::size_t entries = std::min(tiff.number(folder, 2), kEntriesMax);
   for (std::size_t i = 0; i < entries; ++i) {
-    const std::size_t at = folder + 2 + i * kEntryOctets;
+    const std::size_t at = folder + 2 + i * kEntryBytes;
     if (tiff.number(at, 2) == kOrientation && tiff.number(at + 2, 2) == kShort) {
       const auto value = static_cast<int>(tiff.number(at + 8, 2));
       return value >= 1 && value <= 8 ? value : 1;

@@ -4,7 +4,7 @@
 
 #include "camera/replay/depth.hpp"
 #include "camera/replay/exif.hpp"
-#include "camera/replay/file_octets.hpp"
+#include "camera/replay/file_bytes.hpp"
 #include "os/linux/memory/region.hpp"
 #include "quote.hpp"
 

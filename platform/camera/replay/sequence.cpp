@@ -11,7 +11,7 @@
 
 #include "camera/replay/decode.hpp"
 #include "camera/replay/depth.hpp"
-#include "camera/replay/file_octets.hpp"
+#include "camera/replay/file_bytes.hpp"
 #include "camera/replay/sensor_yaml.hpp"
 #include "camera/replay/stamps.hpp"
 #include "errors.hpp"

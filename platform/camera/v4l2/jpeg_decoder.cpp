@@ -207,6 +207,6 @@ bool JpegDecoder::decode(std::span<const std::uint8_t> bytes, std::uint8_t* gray
 }
 
 std::size_t JpegDecoder::peak_bytes() const { return state_->image.peak; }
-std::size_t JpegDecoder::memory_octets() const { return state_->image.bytes.size(); }
+std::size_t JpegDecoder::memory_bytes() const { return state_->image.bytes.size(); }
 
 }  // namespace polhode::platform

@@ -25,9 +25,9 @@ class JpegDecoder {
   /// next image is decoded as usual. No heap.
   [[nodiscard]] bool decode(std::span<const std::uint8_t> bytes, std::uint8_t* gray);
 
-  /// The most that an image has taken so far, of memory_octets().
+  /// The most that an image has taken so far, of memory_bytes().
   [[nodiscard]] std::size_t peak_bytes() const;
-  [[nodiscard]] std::size_t memory_octets() const;
+  [[nodiscard]] std::size_t memory_bytes() const;
 
   struct State;  ///< the library's and ours; in the source file
 

@@ -34,7 +34,7 @@ ServiceManager::ServiceManager() {
   if (path[0] == '@') {
     address_.sun_path[0] = '\0';  // a name that is no file
   }
-  address_octets_ = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + length);
+  address_bytes_ = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + length);
   watchdog_ns_ = watchdog_from_environment();
 }
 
@@ -52,7 +52,7 @@ void ServiceManager::notify(std::string_view text) {
                    text.size(),
                    MSG_NOSIGNAL | MSG_DONTWAIT,
                    reinterpret_cast<const sockaddr*>(&address_),
-                   address_octets_);
+                   address_bytes_);
   }
 }
 

@@ -33,7 +33,7 @@ class ServiceManager {
 
   int socket_ = -1;
   sockaddr_un address_{};
-  socklen_t address_octets_ = 0;
+  socklen_t address_bytes_ = 0;
   std::int64_t watchdog_ns_ = 0;
   std::int64_t notified_ns_ = 0;
 };

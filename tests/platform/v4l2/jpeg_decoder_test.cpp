@@ -87,7 +87,7 @@ TEST_P(Subsamplings, GiveTheLibrarysOwnPixels_AtAnySize) {
     Bytes gray(static_cast<std::size_t>(width_px * height_px));
     ASSERT_TRUE(decoder.decode(file, gray.data())) << width_px;
     EXPECT_EQ(gray, by_turbojpeg(file, width_px, height_px)) << width_px;
-    EXPECT_LT(2 * decoder.peak_bytes(), decoder.memory_octets()) << width_px;
+    EXPECT_LT(2 * decoder.peak_bytes(), decoder.memory_bytes()) << width_px;
   }
 }
 

@@ -1,4 +1,4 @@
-#include "camera/replay/file_octets.hpp"
+#include "camera/replay/file_bytes.hpp"
 
 #include <fcntl.h>
 #include <sys/stat.h>

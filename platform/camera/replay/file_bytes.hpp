@@ -14,7 +14,7 @@ namespace polhode::platform {
 inline constexpr std::size_t kFileBytesMax = std::size_t{1} << 30U;
 
 /// @param bytes      keeps its capacity from file to file
-/// @param octets_max  a larger file is not read
+/// @param bytes_max  a larger file is not read
 /// @return why the file cannot be read, or nothing.
 std::optional<std::string> read_file(const std::filesystem::path& file,
                                      std::vector<std::uint8_t>& bytes,
