@@ -14,7 +14,8 @@ template <class Work>
   return work();
 }
 
-/// @param work  a callable without parameters, whose functions this source file holds.
+/// @param work  a callable without parameters; the functions that it calls are defined in the same
+/// source file.
 template <class Work>
 auto with_avx2(const Work& work) {
   return has_avx2() ? run_avx2(work) : work();

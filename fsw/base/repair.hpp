@@ -1,4 +1,4 @@
-// What became of a table that was found damaged.
+// Result of the repair of a damaged table.
 #pragma once
 
 #include <cstdint>
@@ -6,7 +6,7 @@
 namespace polhode {
 
 struct Repair {
-  std::uint32_t entries = 0;  ///< dropped, or put right
+  std::uint32_t entries = 0;  ///< dropped or repaired
   bool reset = false;         ///< nothing of the table could be kept
   [[nodiscard]] bool any() const { return entries > 0 || reset; }
 };

@@ -11,13 +11,14 @@ namespace {
 using Entry = QualityHistory::Entry;
 using History = FixedVector<Entry, QualityHistory::kFrames>;
 
-// With fewer good frames there is nothing to compare with.
+// With fewer good frames there is no comparison.
 constexpr std::size_t kFramesMin = 2;
-// Seen in so many more frames than not, a fault is a property of the scene or the camera. Chosen;
-// larger skips more frames of such a scene, smaller uses a third bad frame in a row.
+// Surplus of frames with a fault over those without, beyond which it is a property of the scene or
+// the camera. Chosen; larger skips more frames of such a scene, smaller uses a third bad frame in a
+// row.
 constexpr int kPersistent = 3;
-// So that six frames without the fault make it one again. Chosen: fewer make an intermittent
-// property a fault each time.
+// Bound on that surplus: after six frames without it a property is a fault again. Chosen: with
+// fewer an intermittent property would be a fault each time.
 constexpr int kPersistenceMax = 8;
 
 struct Typical {
@@ -42,13 +43,13 @@ Typical typical(const History& frames, double Entry::*field) {
 
 struct Finding {
   bool found = false;
-  bool grave = false;  ///< the frame is of no use
+  bool grave = false;  ///< the frame is useless
   double measure = 0.0;
   double limit = 0.0;
 };
 
-/// A failed exposure loses light at once. A rotating body loses it over several frames: at most a
-/// third from one to the next, in ten sequences with frames 3 to 10 deg apart.
+/// Drop of light of a failed exposure, which is immediate. A rotating body dims over several
+/// frames: by at most a third from one to the next, in ten sequences with frames 3 to 10 deg apart.
 Finding find_dark(const ImageLevels& now, const History& frames, const ImageOptions& options) {
   if (now.dark) {
     return {.found = true, .grave = true, .measure = now.bright_level, .limit = options.dark_level};
@@ -67,19 +68,19 @@ Finding find_dark(const ImageLevels& now, const History& frames, const ImageOpti
   return {.found = sudden, .grave = sudden, .measure = now.bright_level, .limit = limit};
 }
 
-/// Less contrast than the bright level that an image needs not to be dark.
+/// Flat: less contrast than the bright level of an image that is just not dark.
 Finding find_flat(const ImageLevels& now, const ImageOptions& options) {
   const double contrast = now.bright_level - now.dim_level;
   const bool flat = contrast < options.dark_level;
   return {.found = flat, .grave = flat, .measure = contrast, .limit = options.dark_level};
 }
 
-/// Compares with what was lit before: over-exposure lights the sensor's noise, too. Three times the
-/// right exposure saturates a third to nine tenths of what was lit.
+/// Compares with the lit part before, as over-exposure lights the sensor's noise, too. Three times
+/// the right exposure saturates a third to nine tenths of the lit pixels.
 Finding find_saturated(const ImageLevels& now, const History& frames) {
-  constexpr double kGlint = 0.25;  // glints saturate up to so much of what is lit
-  constexpr double kMargin = 1.2;  // with it under the least of over-exposure, a third
-  // With nothing to compare. Chosen: only what shows nothing else, as panels saturate.
+  constexpr double kGlint = 0.25;  // glints saturate up to this part of the lit pixels
+  constexpr double kMargin = 1.2;  // with it below the least of over-exposure, a third
+  // Without a comparison. Chosen: only images with nothing else, as panels saturate.
   constexpr double kAlone = 0.9;
   const bool alone = frames.size() < kFramesMin;
   const double lit = alone ? now.lit_fraction : typical(frames, &Entry::lit_fraction).median;
@@ -89,7 +90,7 @@ Finding find_saturated(const ImageLevels& now, const History& frames) {
   return {.found = found, .grave = found, .measure = now.saturated_fraction, .limit = limit};
 }
 
-/// All rows that are counted are the previous frame's.
+/// Frozen: all counted rows are the previous frame's.
 Finding find_frozen(const RepeatedRows& rows) {
   const bool frozen = rows.repeated > 0 && rows.fresh == 0;
   return {.found = frozen,
@@ -98,12 +99,13 @@ Finding find_frozen(const RepeatedRows& rows) {
           .limit = 0.0};
 }
 
-/// Both kinds of rows in a few runs. In a noise-free sequence of a static scene each frame is like
-/// that.
+/// Torn: runs of repeated and of fresh rows. A noise-free sequence of a static scene has both in
+/// each frame.
 Finding find_torn(const RepeatedRows& rows) {
-  // Rows of each kind. Chosen; fewer do no harm to features.
+  // Least rows of each kind. Chosen; fewer do no harm to features.
   constexpr int kRowsMin = 4;
-  // A block of old rows has two, two blocks have four. Chosen; larger takes noise-free scenes.
+  // Most changes between runs. A block of old rows has two, two blocks have four. Chosen; larger
+  // takes noise-free scenes.
   constexpr int kChangesMax = 4;
   const bool torn = std::min(rows.repeated, rows.fresh) >= kRowsMin && rows.changes <= kChangesMax;
   return {.found = torn,
@@ -112,26 +114,26 @@ Finding find_torn(const RepeatedRows& rows) {
           .limit = kRowsMin};
 }
 
-/// More traces than the scene has by itself, by 6 sigma of its last frames and a fixed number that
-/// glints come and go by. Few single pixels do no harm: they fall on few landmarks and on no two
-/// frames alike.
+/// Bit errors: more traces than the scene's, by 6 sigma of its last frames and a fixed number for
+/// glints. A few single pixels do no harm: they fall on few landmarks, and on other ones in each
+/// frame.
 Finding find_bit_errors(const BitErrorTraces& now, const History& frames) {
   if (frames.size() < kFramesMin) {
     return {};
   }
   // All 120 good frames of two scenes stay within 6 sigma, most bit errors do not (decision 0003).
   constexpr double kSigmas = 6.0;
-  // At least so much of the median: a spread of few frames may be too small by chance. Chosen.
+  // Least spread, as a part of the median: that of few frames may be too small by chance. Chosen.
   constexpr double kMedianPart = 0.25;
-  // Share of flipped highest bits that does no harm, one pixel in 3000. With other bits, of which
-  // most are no outliers, it is eight times as many.
+  // Harmless share of flipped highest bits, one pixel in 3000. With flips of other bits, most of
+  // which are no outliers, it is eight times as many.
   constexpr double kHarmless = 3e-4;
-  // Of the pixels: a thirtieth of what is harmless. So few more are no fault.
+  // Of the pixels: a thirtieth of the harmless share. Fewer additional ones are no fault.
   constexpr double kUnseen = 1e-5;
-  // Tiles and lines that glints come and go by. Chosen; larger misses short broken parts.
+  // Tiles and lines by which glints may vary. Chosen; larger misses short broken parts.
   constexpr double kTilesUnseen = 2.0;
   constexpr double kLinesUnseen = 0.5;
-  // `grain`: what is counted one by one scatters by the root of its number at least (Poisson).
+  // `grain`: counts of single pixels scatter at least by the root of their number (Poisson).
   const auto traces =
       [&](double value, double Entry::*field, double grain, double floor, double harmless) {
         const Typical t = typical(frames, field);
@@ -151,8 +153,8 @@ Finding find_bit_errors(const BitErrorTraces& now, const History& frames) {
       now.impulse_fraction, &Entry::impulse_fraction, 1.0 / now.pixels, kUnseen, kHarmless);
 }
 
-/// Far less sharp than the frames before: the finest blobs are gone, the others displaced along the
-/// motion.
+/// Blurred: far less sharp than the frames before. The finest blobs are gone, the others displaced
+/// along the motion.
 Finding find_blurred(const ImageLevels& now, const History& frames) {
   if (frames.size() < kFramesMin) {
     return {};
@@ -164,8 +166,8 @@ Finding find_blurred(const ImageLevels& now, const History& frames) {
   return {.found = now.sharpness < limit, .grave = false, .measure = now.sharpness, .limit = limit};
 }
 
-/// When rows repeat in each frame, that is the scene, and the frame is whole. Other faults that
-/// persist leave an image that shows something: a degraded frame, pose only.
+/// Rows that repeat in each frame are of the scene, and the frame is whole. With other persistent
+/// faults the image is still usable: a degraded frame, pose only.
 FrameDecision decide(FrameFault fault, const Finding& finding, bool persists, bool nothing_to_see) {
   const bool usual = persists && !nothing_to_see && fault != FrameFault::kFrozen;
   if (finding.grave && !usual) {
@@ -251,7 +253,7 @@ FrameVerdict assess(const cv::Mat& gray, const ImageOptions& options, QualityHis
                history->roughness_good,
                cv::Mat(),
                cv::Point(-1, -1),
-               2);  // 5 x 5 tiles: what is in a tile moves up to 32 px to the next frame
+               2);  // 5 x 5 tiles: the content of a tile moves up to 32 px to the next frame
   }
   return verdict;
 }

@@ -1,4 +1,4 @@
-// The frame as the other stages see it: 8-bit gray.
+// The frame for all other stages: 8-bit gray.
 #pragma once
 
 #include <opencv2/core/mat.hpp>

@@ -9,18 +9,18 @@ namespace {
 
 using Turn = AlignmentWorkspace::Turn;
 
-// Correlation of two views of one spot, where it was detected and where it was not: nothing else
-// speaks for the latter.
+// Correlation of two views of one spot, in a frame where it was detected and in one where it was
+// not. The latter has no other support.
 constexpr double kZnccDetected = 0.75;
 constexpr double kZnccMissed = 0.9;
 // Three sigma of a detection.
 constexpr double kMovedMax_px = 1.5;
-// What a view adds to the image noise: interpolation, relief within the window.
+// Error that a view adds to the image noise: interpolation, relief within the window.
 constexpr double kViewSigma_px = 0.08;
 // Frames in a row that may miss a track.
 constexpr int kGapMax = 3;
-// Frames from the middle view in which a track is looked for where it was not detected: over more
-// than 20 in all, shading that wanders over a surface looks like motion (decision 0107).
+// Frames from the middle view in which a track is searched for without a detection: over more than
+// 20 in all, shading that moves over a surface looks like motion (decision 0107).
 constexpr std::size_t kFollowMax = 10;
 // Two detections so near each other are one spot.
 constexpr double kSameSpot_px = 1.5;
@@ -31,8 +31,8 @@ struct Alignment {
   std::span<const TrackPlaces> places;
   std::size_t track = 0;
   std::size_t middle = 0;  ///< frame of the view that the others are registered to
-  /// From where the middle view was seen to where it is at its frame's time. Over few frames rows
-  /// and motion are nearly the same.
+  /// Shift of the middle view by its row time. Over few frames rows and motion are nearly the same,
+  /// so one shift serves all.
   Eigen::Vector2d row_shift = Eigen::Vector2d::Zero();
   Neighbours neighbours = {};
 };
@@ -44,7 +44,7 @@ struct Spot {
   double sigma_px = 0.0;
 };
 
-/// Looks for the middle view about a place of another frame.
+/// Searches for the middle view about a place of another frame.
 std::optional<Spot> find_again(const Crop& crop,
                                const LocalMotion& guess,
                                double zncc_min,
@@ -83,7 +83,7 @@ std::optional<InitialObservation> aligned(const Alignment& a,
   return moved;
 }
 
-/// Is the spot another track's? One that waits for its turn is this one's from now on.
+/// Does another track already have the spot? A track that still waits is marked as the same spot.
 bool is_taken(const Alignment& a, std::size_t frame, const Spot& spot, AlignmentWorkspace* w) {
   for (std::size_t i = 0; i < a.places.size(); ++i) {
     if (i == a.track || w->turns[i] == Turn::kSame || !a.places[i].has(frame) ||
@@ -98,7 +98,7 @@ bool is_taken(const Alignment& a, std::size_t frame, const Spot& spot, Alignment
   return false;
 }
 
-/// The track in a frame that missed it.
+/// The track's observation in a frame that missed it.
 std::optional<InitialObservation> followed(const Alignment& a,
                                            std::size_t frame,
                                            AlignmentWorkspace* w) {
@@ -120,7 +120,7 @@ std::optional<InitialObservation> followed(const Alignment& a,
                             .sigma_normalised = to_normalised(spot->sigma_px, camera)};
 }
 
-/// The track in one frame, or nothing.
+/// The track's observation in one frame, or nothing.
 std::optional<InitialObservation> observe(const Alignment& a,
                                           const InitialTrack& track,
                                           std::size_t frame,
@@ -151,7 +151,7 @@ void align_track(const InitialImages& images,
   }
   a.row_shift = middle.normalised - undistort(images.camera, place_px);
   a.neighbours = nearest_tracks(a.places, t, a.middle);
-  // It shows the spot that it defines.
+  // The middle view defines the spot: it has the error of a view only.
   middle.sigma_normalised = std::min(
       middle.sigma_normalised, to_normalised(reference->reduction * kViewSigma_px, images.camera));
   std::array<std::optional<InitialObservation>, limits::kInitialFrames> found;
@@ -181,8 +181,8 @@ void align_tracks(const InitialImages& images,
                   std::span<InitialTrack> tracks,
                   AlignmentWorkspace* w) {
   std::fill(w->turns.begin(), w->turns.end(), Turn::kWaits);
-  // The longest first: of two that show the same spot it is the one that stays. Alignment changes
-  // lengths, so they are those of the detections.
+  // The longest first: of two tracks of one spot the longer stays. Lengths are those of the
+  // detections, as alignment changes them.
   FixedVector<std::size_t, limits::kInitialTracks> lengths;
   for (const InitialTrack& track : tracks) {
     (void)lengths.push_back(track.observations.size());

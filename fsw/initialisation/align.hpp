@@ -15,10 +15,10 @@
 
 namespace polhode {
 
-/// Images of a problem's frames, and where its tracks were detected in them.
+/// Images of a problem's frames, and the places where its tracks were detected in them.
 struct InitialImages {
   CameraModel camera;
-  Crops crops;  ///< kept from problem to problem: copies of them would not fit
+  Crops crops;  ///< kept from problem to problem, as they are too large to copy
   std::array<std::int8_t, limits::kInitialFrames> crop_of{};  ///< by frame; -1: there is none
   std::array<TrackPlaces, limits::kInitialTracks> places;
 
@@ -30,15 +30,15 @@ struct InitialImages {
 
 /// Holds nothing between calls.
 struct AlignmentWorkspace {
-  enum class Turn : std::uint8_t { kWaits, kAligned, kSame };  ///< kSame: another has its spot
+  enum class Turn : std::uint8_t { kWaits, kAligned, kSame };  ///< kSame: of another's spot
 
   PatchTemplate patch;
   std::array<Turn, limits::kInitialTracks> turns{};
 };
 
-/// Moves each observation to where the track's middle view is found again: what is aligned to one
-/// view does not drift. Follows tracks into frames that missed them, joins those that show the same
-/// spot, and drops observations that do not look alike. Observations without an image stay.
+/// Moves each observation to the place where the track's middle view is found: alignment to one
+/// view does not drift. Follows tracks into frames that missed them, joins tracks of one spot, and
+/// drops observations that do not look alike. Observations without an image stay.
 /// @cost  at most one registration for each track and frame.
 void align_tracks(const InitialImages& images,
                   std::size_t frames,

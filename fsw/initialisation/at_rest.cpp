@@ -41,12 +41,12 @@ using SteadyVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kSteadyUnknowns
 using SteadyMatrix =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kSteadyUnknowns, kSteadyUnknowns>;
 
-/// Newton's step of the rate [rad/s], with positions and points where they fit it best; zero where
-/// there is none.
+/// Newton's step of the rate [rad/s], with positions and points eliminated; zero where there is
+/// none.
 Eigen::Vector3d step_of_rate(const Selection& c,
                              const Eigen::Vector3d& rate_I_rad_s,
                              InitialHypothesis* h) {
-  constexpr double kDamping = 1e-6;  // relative; it holds the gauge
+  constexpr double kDamping = 1e-6;  // relative; it fixes the gauge
   InitialAdjustmentWorkspace& w = c.w.adjustment;
   if (!reduced_camera_system(c.w.set.observations.view(), h->view(), selection_loss(c, 0), &w)) {
     return Eigen::Vector3d::Zero();
@@ -80,14 +80,14 @@ Eigen::Vector3d step_of_rate(const Selection& c,
     }
   }
   N.diagonal() *= 1.0 + kDamping;
-  const SteadyVector step = N.ldlt().solve(g);  // of its lower triangle
+  const SteadyVector step = N.ldlt().solve(g);  // from its lower triangle
   return step.allFinite() ? Eigen::Vector3d(-step.head<3>()) : Eigen::Vector3d::Zero();
 }
 
 /// Lowest cost of a body that rotates at a constant rate. @param steady  in: the body at rest; out:
 /// the rotating one.
 double cost_of_steady(const Selection& free, const Selection& held, InitialHypothesis* steady) {
-  constexpr int kSteps = 4;  // each is followed by a whole adjustment; two or three settle
+  constexpr int kSteps = 4;  // each is followed by a full adjustment; two or three settle
   InitialHypothesis& trial = free.w.finalists[0];
   Eigen::Vector3d rate_I_rad_s = Eigen::Vector3d::Zero();
   for (int i = 0; i < kSteps; ++i) {
@@ -124,7 +124,8 @@ double compare_at_rest(Selection* c) {
   if (!(margin > 0.0)) {
     return margin;
   }
-  // Free rotation has so many unknowns that much is forgiven to rest. A steady one has three.
+  // The penalty on free rotation's many unknowns favours rest too much. A constant rate has three
+  // only.
   c->w.finalists.resize(2);
   InitialHypothesis& steady = c->w.finalists[1];
   steady = at_rest;

@@ -58,9 +58,8 @@ bool worth_collecting(const Features& features, double ratio_max, TrackTable* tr
   }
   const ImageChange change =
       change_since(tracks->frames.back(), features, ratio_max, &tracks->scratch);
-  // A turn of 2 deg moves a body's near spots by 3 % of its radius against its far ones; a shift of
-  // a fifth of the radius changes the direction of view by as much as matters for translation
-  // alone.
+  // A rotation of 2 deg moves a body's near points against its far ones by 3 % of its radius. For
+  // translation alone, a shift of a fifth of the radius changes the direction of view as much.
   constexpr double kRelativeMin = 0.03;
   constexpr double kShiftMin = 0.2;
   constexpr int kMatchesFew = 30;
@@ -68,14 +67,14 @@ bool worth_collecting(const Features& features, double ratio_max, TrackTable* tr
          change.shift_px > kShiftMin * change.extent_px;
 }
 
-/// How many times its own sigma a feature is off that stands for a track's point: what changes a
-/// patch moves its centre (decision 0066).
+/// Factor on a feature's sigma as a point of a track: a change of the patch's appearance moves its
+/// centre (decision 0066).
 double sigma_factor(const TrackPoint& point) {
-  constexpr double kLike2 = 200.0 * 200.0;  // as far as the sigma of a feature holds
+  constexpr double kLike2 = 200.0 * 200.0;  // the sigma of a feature is right up to here
   return std::max(1.0, static_cast<double>(point.distance2) / kLike2);
 }
 
-/// Tracks that reach the newest frames, by the frame they begin in.
+/// Numbers of tracks that reach the newest frames, by their first frame.
 using BegunIn = std::array<std::size_t, limits::kInitialFrames>;
 
 BegunIn count_alive(const TrackTable& table) {
@@ -91,8 +90,8 @@ BegunIn count_alive(const TrackTable& table) {
 
 /// The first of the newest frames that enough tracks span from end to end.
 std::size_t first_spanned(const TrackTable& table, int frames_min) {
-  // As many tracks as a comparison is sure with (decision 0030). Of many, a third: a window
-  // that fewer span is long, and the search in it harder. Chosen.
+  // Tracks that a comparison needs (decision 0030), or a third of all: a window that fewer span is
+  // long, and the search in it harder. Chosen.
   constexpr std::size_t kSpanningMin = 40;
   constexpr std::size_t kPart = 3;
   const BegunIn begun = count_alive(table);
@@ -101,7 +100,7 @@ std::size_t first_spanned(const TrackTable& table, int frames_min) {
   const std::size_t latest = frames - std::min(frames, static_cast<std::size_t>(frames_min));
   std::size_t spanning = begun[0];
   for (std::size_t first = 0; first < latest; ++first) {
-    spanning += begun[first + 1];  // an end is kEnd frames wide
+    spanning += begun[first + 1];  // the beginning may be kEnd frames wide
     if (spanning >= std::max(kSpanningMin, alive / kPart)) {
       return first;
     }

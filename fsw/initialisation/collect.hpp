@@ -15,7 +15,7 @@ namespace polhode {
 /// The state of this room: frames with their features, and tracks over them.
 struct InitialisationState {
   TrackTable tracks;
-  bool asked_short = false;  ///< the last problem left out the oldest frames
+  bool asked_short = false;  ///< the last problem was posed without the oldest frames
   int since_asked = 0;       ///< frames kept since the last problem
 };
 

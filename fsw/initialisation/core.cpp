@@ -12,19 +12,20 @@ namespace {
 // tracks leave a third of the equations as a check.
 constexpr int kCommonMin = 12;
 // Frames with fewer tracks are skipped. Chosen; larger drops frames that connect others, smaller
-// keeps frames that end every run through them.
+// keeps frames at which every run ends.
 constexpr int kFrameTracksMin = 8;
-// The share of the median that a frame needs: one over this. Chosen; a frame that lost most of its
-// tracks would end every run through it.
+// Least part of the median number of tracks in a frame: one over this. Chosen; every run would end
+// at a frame that lost most of its tracks.
 constexpr int kMedianPart = 3;
 // Beyond this number of common tracks only a longer run of frames raises the score. Chosen.
 constexpr double kCommonEnough = 60.0;
-// Tracks that each frame should have in the selection, where it has as many. Chosen: half again as
-// many as kFrameTracksEnough.
+// Tracks that each frame should have in the selection, if it has them. Chosen: half again as many
+// as kFrameTracksEnough.
 constexpr int kFrameQuota = 60;
-// With 40 all runs of decision 0030 begin well; with 30 some begin wrongly, with 60 one late.
+// Tracks of a frame that are enough. With 40 all runs of decision 0030 begin well; with 30 some
+// begin wrongly, with 60 one late.
 constexpr int kFrameTracksEnough = 40;
-// A frame short of its quota outweighs all other frames together.
+// Gain of a track in a frame short of its quota: it outweighs all other frames together.
 constexpr int kShortFrameGain = 100;
 static_assert(kShortFrameGain > static_cast<int>(limits::kInitialFrames));
 
@@ -158,7 +159,7 @@ bool take_farthest(const InitialProblem& problem,
 
 using Taken = FixedVector<std::uint8_t, limits::kInitialTracks>;
 
-/// By track: is it in the set?
+/// by track: is it in the set?
 Taken list_taken(const InitialProblem& problem, const SelectionSet& set) {
   Taken taken;
   taken.resize(problem.tracks.size());
@@ -168,7 +169,7 @@ Taken list_taken(const InitialProblem& problem, const SelectionSet& set) {
   return taken;
 }
 
-/// Tracks outside the core, so that every frame has its quota.
+/// Adds tracks outside the core until every frame has its quota.
 void add_frame_quotas(const InitialProblem& problem, SelectionSet* set) {
   FrameCounts counts{};
   Taken taken = list_taken(problem, *set);
@@ -242,7 +243,7 @@ void list_observations(const InitialProblem& problem, SelectionSet* set) {
   }
 }
 
-/// Up to kCoreFrames of the run, evenly, its ends included.
+/// Up to kCoreFrames of the run, evenly spaced, its ends included.
 FrameMask choose_frames(const Run& run, InitialCore* core) {
   const std::size_t frames = std::min(kCoreFrames, run.frames.size());
   FrameMask mask = 0;
@@ -311,7 +312,7 @@ bool choose_selection_set(const InitialProblem& problem, SelectionSet* set) {
 }
 
 bool is_crowded(const InitialProblem& problem, const SelectionSet& set) {
-  // By either bound of add_longest.
+  // Full by either bound of add_longest().
   const bool full = set.tracks.full() ||
                     set.observations.size() + problem.times_s.size() > kSelectionObservations;
   if (!full) {

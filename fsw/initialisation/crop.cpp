@@ -6,8 +6,8 @@
 namespace polhode {
 namespace {
 
-// As far from a feature as an aligned patch may reach: its half side and diagonal growth, the
-// search, and the pixel that interpolation takes beyond.
+// Margin about a feature that an aligned patch may reach: half its side and its growth along the
+// diagonal, the search, and one pixel for interpolation.
 constexpr int kMargin_px = 12;
 
 struct Box {
@@ -94,7 +94,7 @@ void keep_crop(const cv::Mat& gray,
                std::uint32_t frame,
                std::span<const Feature> features,
                Crops* crops) {
-  // Numbers begin again when a component does.
+  // Frame numbers begin again when a component does.
   const int same = find_crop(frame, *crops);
   if (same >= 0) {
     crops->kept[static_cast<std::size_t>(same)].width = 0;

@@ -1,4 +1,4 @@
-// The target's part of a kept frame's image, for aligning what tracks show.
+// The target's part of a kept frame's image, for the alignment of tracks.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,7 +12,7 @@
 
 namespace polhode {
 
-/// A rectangle of the image that holds the features with a margin. Where it has more pixels than
+/// A rectangle of the image that contains the features with a margin. Where it has more pixels than
 /// there is room for, each of its pixels is the mean of `reduction` x `reduction` of the image's.
 struct Crop {
   std::uint32_t frame = 0;
@@ -31,7 +31,7 @@ struct Crop {
 /// Crops of the newest kept frames. A new one takes the place of the oldest.
 struct Crops {
   std::array<Crop, limits::kInitialFrames> kept;
-  std::uint32_t taken = 0;  ///< so many were kept
+  std::uint32_t taken = 0;  ///< number of crops kept so far
 };
 
 /// @param gray  8-bit.
@@ -40,7 +40,7 @@ void keep_crop(const cv::Mat& gray,
                std::span<const Feature> features,
                Crops* crops);
 
-/// Index of a frame's crop; -1 where it is not there.
+/// Index of a frame's crop; -1: not there.
 int find_crop(std::uint32_t frame, const Crops& crops);
 
 }  // namespace polhode

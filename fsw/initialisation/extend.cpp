@@ -19,13 +19,13 @@ constexpr int kSeenPointsMin = 6;
 // second pass rejects outliers at the noise.
 constexpr double kWideSigma = 30.0;
 constexpr double kNarrowSigma = 3.0;
-// Damped steps of each pass. Chosen: enough for a good start, and a bound for a bad one.
+// Damped steps of each pass. Chosen: enough for a good initial pose, and a bound for a bad one.
 constexpr int kPoseIterations = 10;
-// Steps of the last interval over which the depth is continued at most. Chosen: a ratio of noisy
-// depths grows as a power.
+// Longest continuation of the depth, in steps of the last interval. Chosen: a ratio of noisy depths
+// grows as a power.
 constexpr double kDepthStepsMax = 2.0;
 // In RMS extents: a point farther away is not of the body. Chosen; wider than the cue's
-// kHullReachMax, as the adjustment may still bring it back.
+// kHullReachMax, as the adjustment may still move it back.
 constexpr double kReachMax = 5.0;
 
 /// (u, v) for a given attitude and inverse depth: the median over the points.
@@ -157,8 +157,7 @@ bool extend(std::span<const TrackObservation> observations,
   add_points(observations, &h);
   for (int round = 0; round < rounds; ++round) {
     const std::array<std::uint8_t, limits::kInitialFrames> posed = h.posed;
-    // On either side of each posed frame the nearest unposed one that can be posed. Frames without
-    // data are skipped.
+    // On either side of each posed frame the nearest unposed one with data.
     for (int direction : {1, -1}) {
       const int frames = static_cast<int>(h.frames);
       bool open = false;

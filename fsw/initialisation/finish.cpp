@@ -11,7 +11,7 @@
 namespace polhode {
 namespace {
 
-// Chosen: the winner has settled on its own tracks, the others start from triangulation.
+// Chosen: the winner has settled on its own tracks; the others begin from triangulation.
 constexpr int kIterations = 10;
 // Above every limit of a depth's sigma.
 constexpr double kUnknownSigma = 1e300;

@@ -20,12 +20,13 @@ namespace {
 // Weights of equal principal extents in the upgrade from affine to metric. With much rotation the
 // data decide alone; with little, noise fills the third axis. Chosen: none, weak and strong.
 constexpr std::array<double, 3> kIsotropies{0.0, 0.03, 0.3};
-// As many points as a hypothesis from two views must place, and as two geometries must share.
-// Chosen; fewer make a comparison by the median a matter of chance.
+// Least points that a hypothesis from two views must place, and that two geometries must share.
+// Chosen; with fewer a comparison by the median is a matter of chance.
 constexpr std::size_t kHypothesisPointsMin = 8;
-// Depths within a factor of two of their median: a body that is seen whole reaches no farther.
+// Depths within a factor of two of their median: a body that is entirely in view reaches no
+// farther.
 constexpr double kDepthFactorMax = 2.0;
-// Rotations under a degree are compared by this: their ratio is noise.
+// Smaller rotations are compared relative to this: their own ratio is noise.
 constexpr double kRotationMin_rad = 0.02;
 
 /// The core's images, frame by frame, rotated so that the mean of the tracks lies on the optical
@@ -87,8 +88,8 @@ InitialHypothesis empty_hypothesis(const SeedProblem& problem, HypothesisKind ki
   return h;
 }
 
-/// From weak perspective, which leaves depth and its sign open. Inverse depth is the image scale
-/// per extent.
+/// Seeds by weak perspective, which leaves depth and its sign undetermined. Inverse depth is the
+/// image scale per extent.
 void push_weak_perspective(const SeedProblem& problem,
                            const CoreImages& images,
                            std::span<const std::uint8_t> inlier,
@@ -178,8 +179,8 @@ struct PairDepths {
       depth_a;  ///< of each core track in the pair's first frame; not positive: unknown
 };
 
-/// From two views: T's origin is in the middle of the points. The core's other frames follow by
-/// resection.
+/// Seeds from two views, with T's origin in the middle of the points. The core's other frames
+/// follow by resection.
 void push_two_view(const SeedProblem& problem,
                    const CoreImages& images,
                    std::array<std::size_t, 2> pair,
@@ -268,8 +269,8 @@ void seed_hypotheses(const SeedProblem& problem, InitialHypotheses* seeds) {
   const CoreImages images = collect(problem);
   seed_weak_perspective(problem, images, seeds);
   const std::size_t last = problem.core->frames.size() - 1;
-  // The widest pair has the most parallax. Half of it may do where the widest leaves the pose
-  // ambiguous.
+  // The widest pair has the most parallax. A pair of half its width may decide where the widest
+  // leaves the pose ambiguous.
   seed_two_view(problem, images, {0, last}, seeds);
   seed_two_view(problem, images, {0, (last + 1) / 2}, seeds);
 }
@@ -285,7 +286,7 @@ bool same_geometry(const InitialHypothesis& a, const InitialHypothesis& b, doubl
   if (apart.size() < kHypothesisPointsMin) {
     return false;
   }
-  // Not the mean: the point of a wrong track may be anywhere (decision 0029).
+  // The median: the point of a wrong track may lie anywhere (decision 0029).
   if (median(apart.view()) > tolerance) {
     return false;
   }

@@ -1,4 +1,4 @@
-// Hypotheses of an initialisation: where each comes from, and when two are the same.
+// Seeds of the hypothesis selection, and the comparison of two geometries.
 #pragma once
 
 #include <cstdint>

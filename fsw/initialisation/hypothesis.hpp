@@ -22,17 +22,18 @@ inline constexpr std::uint32_t kAllKinds = (1U << kHypothesisKinds) - 1U;  // on
 /// separate families of hypotheses; 10 frames bound the time of the seeds.
 inline constexpr std::size_t kCoreTracks = 80;
 inline constexpr std::size_t kCoreFrames = 10;
-/// The first tracks, on which a hypothesis is extended from its core to all frames: both cores' and
-/// the quotas of frames. It is adjusted after every few frames, and need not decide yet.
+/// The first tracks of the selection: both cores' and the quotas of frames. On them a hypothesis is
+/// extended from its core to all frames; it is adjusted after every few frames, and need not decide
+/// yet.
 inline constexpr std::size_t kExtensionTracks = 2 * kCoreTracks;
-/// Images of the tracks that hypotheses are compared on (at most limits::kSelectionTracks); the
-/// first tracks take part in any case. Chosen for the time of an adjustment: 500 tracks in six
-/// frames of eight.
+/// Observations on which hypotheses are compared (of at most limits::kSelectionTracks); those of
+/// the first tracks always count. Chosen for the time of an adjustment: 500 tracks in six frames of
+/// eight.
 inline constexpr std::size_t kSelectionObservations = 3000;
 
 struct InitialHypothesis {
   HypothesisKind kind = HypothesisKind::kFivePoint;
-  bool reversed = false;  ///< depth-reversed solution of what that kind found
+  bool reversed = false;  ///< depth-reversed solution of a hypothesis of that kind
   std::size_t frames = 0;
   std::size_t tracks = 0;
   std::array<InverseDepthPose, limits::kInitialFrames> poses{};
@@ -56,8 +57,7 @@ using InitialHypotheses = FixedVector<InitialHypothesis, kSeeds>;
 /// Hypotheses that are extended to all frames, shared by the cores. Chosen; more cost time.
 inline constexpr std::size_t kFinalists = 6;
 
-/// What a seed is made from: frames of the sequence, and tracks of the selection that all of them
-/// observe.
+/// Input of a seed: frames of the sequence, and tracks of the selection that all of them observe.
 struct InitialCore {
   FixedVector<int, kCoreFrames> frames;
   FixedVector<int, kCoreTracks> tracks;

@@ -10,11 +10,11 @@
 namespace polhode {
 namespace {
 
-// In RMS extents (decision 0031). Depths spread by some 0.6 extents, so 2 sigma are a fifth
-// of that. With 0.12 one map of 40 began with a quarter too much turn, and stayed bent.
+// In RMS extents (decision 0031). Depths spread by some 0.6 extents, so 2 sigma are a fifth of
+// that. With 0.12 one map of 40 began with a rotation a quarter too large, and stayed bent.
 constexpr double kDepthSigmaMax = 0.06;
-// Wrong matches take 5 to 25 % of the observations with them. The cost margin, not this, refuses
-// wrong hypotheses that explain half of the observations.
+// Least share of inliers. Wrong matches take 5 to 25 % of the observations with them. Wrong
+// hypotheses that explain half of the observations are refused by the cost margin.
 constexpr double kInlierRatioMin = 0.5;
 
 /// Cost margin that a commitment needs. Most bodies are convex, so the cue supports a convex

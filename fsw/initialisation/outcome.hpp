@@ -82,7 +82,7 @@ struct InitialOutcome {
       0.0;  ///< curvature of the visible face over its 1-sigma; positive: the middle is nearest
   double inlier_ratio = 0.0;  ///< of the selection's observations beyond two of each track
   int hypotheses = 0;         ///< different ones that were refined to the end
-  bool crowded = false;  ///< more frames than the selection has tracks for: fewer would decide more
+  bool crowded = false;  ///< more frames than the selection has tracks for; fewer would decide more
   FixedVector<InitialFramePose, limits::kInitialFrames> frames;  ///< by frame
   FixedVector<InitialPoint, limits::kInitialTracks> points;      ///< by track
 };

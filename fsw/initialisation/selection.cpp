@@ -10,26 +10,26 @@
 namespace polhode {
 namespace {
 
-// Relative differences of one geometry, and of two. Both lie under the quarter that counts as right
-// in tests/synthetic/initial_problem.hpp. Chosen; larger merges a rival with the winner, smaller
-// makes a rival of the winner's own solution.
+// Relative differences up to which two geometries are one, and from which they are different. Both
+// lie under the quarter that counts as right in tests/synthetic/initial_problem.hpp. Chosen; larger
+// merges a rival with the winner, smaller makes a rival of the winner's own solution.
 constexpr double kSameGeometry = 0.15;
 constexpr double kDifferentGeometry = 0.20;
 // Seeds that are fully refined, each with its depth-reversed solution. Chosen; more cost time.
 constexpr std::size_t kFamilies = 6;
-// Frames posed on either side between two adjustments. Chosen; more let errors add up.
+// Frames posed on either side between two adjustments. Chosen; with more, errors add up.
 constexpr int kExtendRounds = 3;
 // Times that the winner may be replaced by its depth-reversed solution. Chosen; normally one
 // decides.
 constexpr int kReversalRounds = 3;
 // Depth and rotation compensate for each other along a valley in which steps are short. A
-// hypothesis of the winner's own valley must settle, else it counts as a rival
-// (decision 0029). Most settle in a tenth of this.
+// hypothesis in the winner's valley must converge, else it counts as a rival (decision 0029). Most
+// settle in a tenth of this.
 constexpr int kSettleIterations = 60;
-// A track's share of a cost margin. More comes from a wrong track that one hypothesis happens to
-// explain. Chosen.
+// Bound on a track's share of a cost margin: a wrong track that one hypothesis happens to explain
+// would decide alone. Chosen.
 constexpr double kTrackMarginMax = 4.0;
-// A cost margin of 25 scatters by 10. Less agreement of the tracks than 1.5 sigma is no evidence.
+// A cost margin of 25 scatters by 10. Agreement of the tracks under 1.5 sigma is no evidence.
 constexpr double kAgreementMin = 1.5;
 // Width of the Cauchy loss at the noise, and its limit while residuals are large, in sigmas.
 // Chosen; a larger limit lets the worst observations of a seed that is far off rule the fit.
@@ -42,8 +42,8 @@ struct Iterations {
   int narrow;
   int last;
 };
-// Chosen for the time: seeds need only find their family, seeds of a family their minimum.
-// Extension follows short steps; the comparison waits for the end.
+// Chosen for the time: seeds need only find their family, families their minimum. Extension follows
+// short steps; the comparison needs convergence.
 constexpr Iterations kSeedIterations{.wide = 6, .narrow = 4, .last = 0};
 constexpr Iterations kFamilyIterations{.wide = 8, .narrow = 10, .last = 15};
 constexpr Iterations kExtendIterations{.wide = 3, .narrow = 3, .last = 0};
@@ -101,8 +101,8 @@ InitialHypothesis depth_reversed(const InitialHypothesis& h) {
   return reversed;
 }
 
-/// Seeds, first without their depth-reversed solutions. Those that lead to the same minimum, or to
-/// its depth-reversed one, are one family.
+/// Refines seeds, first without their depth-reversed solutions. Seeds with the same minimum, or
+/// with depth-reversed minima, are one family.
 void refine_families(const Selection& c) {
   const std::span<const TrackObservation> core = c.w.core_observations.view();
   InitialHypotheses& families = c.w.refined;
@@ -140,7 +140,7 @@ void refine_both_depths(const Selection& c) {
   sort_by_cost(&c.w.refined);
 }
 
-/// Noise by the best hypothesis over the caller's sigma, at least 1.
+/// Residual noise of the best hypothesis over the caller's sigma, at least 1.
 double noise_scale(const Selection& c) {
   const double scale =
       c.w.refined.empty() ? kNoiseScaleMax : c.sigma_scale * c.w.refined[0].fit.noise_scale;
@@ -177,7 +177,7 @@ void select_on_core(const InitialCore& core, Selection* c) {
   }
 }
 
-/// Extends a hypothesis to all frames. Adjusts on the way, so that errors do not add up.
+/// Extends a hypothesis to all frames, with adjustments on the way, so that errors do not add up.
 bool extend_to_all(const Selection& c, InitialHypothesis* h) {
   const std::span<const TrackObservation> all = c.w.set.observations.view();
   const std::span<const TrackObservation> first = all.first(c.w.set.extension_observations);
@@ -204,8 +204,8 @@ void refine_finalists(const Selection& c) {
   sort_by_cost(&c.w.refined);
 }
 
-/// Compares the winner with its depth-reversed solution, started from the winner's final geometry.
-/// So no rival loses because it stuck in another minimum.
+/// Compares the winner with its depth-reversed solution, refined from the winner's final geometry:
+/// else a rival might lose in a wrong local minimum.
 void compare_with_reversed(const Selection& c) {
   for (int round = 0; round < kReversalRounds && !c.w.refined.empty(); ++round) {
     InitialHypothesis reversed = depth_reversed(c.w.refined[0]);
@@ -221,8 +221,8 @@ void compare_with_reversed(const Selection& c) {
   }
 }
 
-/// Cost margin of the winner to `rival`: the smaller of the plain difference and of one in which no
-/// track decides alone. The latter is zero where the tracks do not agree.
+/// Cost margin of the winner to `rival`: the smaller of the plain difference and of one with a
+/// bound on each track's share. The latter is zero where the tracks do not agree.
 double cost_margin_to(const Selection& c, InitialHypothesis* winner, InitialHypothesis* rival) {
   std::array<double, limits::kSelectionTracks> of_winner;
   std::array<double, limits::kSelectionTracks> of_rival;
@@ -254,7 +254,7 @@ int middle_frame(const SelectionSet& set) {
   return core.frames[core.frames.size() / 2];
 }
 
-/// Where the costs do not decide, a convex hypothesis goes before a hollow one. The cost margin is
+/// Where the costs do not decide, a convex hypothesis comes before a hollow one. The cost margin is
 /// negative then.
 void prefer_convex(const Selection& c) {
   InitialHypotheses& list = c.w.refined;

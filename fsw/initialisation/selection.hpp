@@ -6,12 +6,12 @@
 
 namespace polhode {
 
-/// Shared by all rounds.
+/// Input, options and workspace that all rounds share.
 struct Selection {
   const InitialProblem& problem;
   const InitialOptions& options;
   InitialWorkspace& w;
-  bool rotations_fixed = false;  ///< attitudes are those of a body that does not rotate
+  bool rotations_fixed = false;  ///< attitudes are those of a body at rest
   double sigma_scale = 1.0;  ///< noise over the caller's sigma by the best hypothesis so far, >= 1
 };
 
@@ -20,8 +20,8 @@ struct Selection {
 inline constexpr double kNoiseScaleMax = 2.0;
 // Two standard deviations: the sign of the curvature is right in 98 % of cases.
 inline constexpr double kConvexityMin = 2.0;
-// Loss by which hypotheses are compared, in sigmas: exp(-4^2 / 2) = 3e-4 of good residuals, with
-// two coordinates, lie beyond.
+// Width of the loss by which hypotheses are compared, in sigmas: exp(-4^2 / 2) = 3e-4 of good
+// residuals, with two coordinates, lie beyond.
 inline constexpr double kTruncation_sigmas = 4.0;
 
 /// Loss by which hypotheses are compared.
@@ -32,9 +32,9 @@ InitialAdjustmentOptions selection_loss(const Selection& selection, int iteratio
 /// winner first; none when all failed.
 void select_hypotheses(Selection* selection);
 
-/// Adjusts a hypothesis that may be far from it to its own minimum, as far as the comparison needs
+/// Adjusts a hypothesis that may be far from its minimum, to convergence as the comparison needs
 /// it.
-/// @return false where there is none.
+/// @return false where there is no minimum.
 bool refine_to_minimum(const Selection& selection,
                        std::span<const TrackObservation> observations,
                        InitialHypothesis* hypothesis);

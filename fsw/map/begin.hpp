@@ -1,4 +1,4 @@
-// A map, or a further part of one, from the selected hypothesis.
+// Makes a map, or a further part of one, from the selected hypothesis.
 #pragma once
 
 #include "geometry/alignment.hpp"
@@ -9,8 +9,8 @@
 
 namespace polhode {
 
-/// Each frame with a pose becomes a keyframe, each track with a point a landmark seen where its
-/// features are. Present entries of the map stay; full tables take no more.
+/// Each frame with a pose becomes a keyframe, each track with a point a landmark observed by its
+/// features. Present entries of the map stay; full tables take no more.
 /// @param first_frame  of the initialisation, in the table.
 /// @param to_T  takes the initialisation's frame and unit to the map's.
 void begin_map(const InitialOutcome& outcome,

@@ -12,8 +12,8 @@ void begin_drift(const Eigen::Matrix3d& R_first_CT,
                  double depth_sigma,
                  double extent_mu,
                  MapDrift* drift) {
-  // An extent is the RMS distance from the centre, and depth one of three directions: depths that
-  // are off by depth_sigma of an extent are off by this part of themselves.
+  // Converts depth_sigma, in extents, to a relative error: an extent is the RMS distance from the
+  // centre, and depth is one of three directions.
   drift->R_first_CT = R_first_CT;
   drift->initial_turn_sigma = std::min(1.0, std::sqrt(3.0) * depth_sigma);
   drift->initial_sigma_mu = depth_sigma * extent_mu;
@@ -33,7 +33,7 @@ double turn_sigma(const MapDrift& drift) {
 }
 
 double unit_sigma(const MapDrift& drift) {
-  constexpr double kExchangedMost_rad = 0.5;  // of sin(t) cos(t)
+  constexpr double kExchangedMost_rad = 0.5;  // largest of sin(t) cos(t)
   return turn_sigma(drift) * std::min(drift.initial_turn_rad, kExchangedMost_rad);
 }
 
@@ -75,7 +75,8 @@ void replace_random_walk(const PoseCovariance& covariance, MapDrift* drift) {
 PoseCovariance covariance(const MapDrift& drift) {
   PoseCovariance sum = drift.walk + drift.reanchoring;
   if (drift.turn_rad > 0.0) {
-    widen_attitude(unit_sigma(drift), &sum);  // lateral by depth is the turn's tangent
+    widen_attitude(unit_sigma(drift), &sum);  // error of the initial rotation: the tangent of
+                                              // lateral by depth
     widen_position(drift.initial_sigma_mu * drift.initial_turn_rad / drift.turn_rad, &sum);
   }
   return sum;

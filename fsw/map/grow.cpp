@@ -42,7 +42,7 @@ bool wants_keyframe(const MapInput& input, const MapState& s) {
 
 void veto_features(const MaskState& mask, Features* features, LandmarkMatches* matches) {
   if (!mask.sharp) {
-    return;  // nothing is ruled out, and features are large to move
+    return;  // no feature is ruled out, and a copy of the features is large
   }
   std::array<std::int32_t, limits::kFeatures> now_at{};
   now_at.fill(-1);

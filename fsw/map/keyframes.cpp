@@ -18,7 +18,7 @@ int observations(const Keyframe& keyframe) {
 
 /// Part of the keyframe's landmarks that three other keyframes see as well.
 double redundancy(const Keyframe& keyframe, const Map& map) {
-  // As many as confirm a landmark: without this keyframe they still do.
+  // As many as confirm a landmark: without this keyframe they still confirm it.
   constexpr int kOthers = 3;
   int seen = 0;
   int seen_elsewhere = 0;
@@ -60,8 +60,8 @@ bool wants_keyframe(const Map& map, const Pose& pose, int inliers, const MapOpti
   if (order.empty()) {
     return true;
   }
-  // Over a turn a of a young map depths are known as 1 / a^2: a view that widens it by 0.15 makes
-  // them better by a third.
+  // Over a rotation a of a young map the depth error falls as 1 / a^2: a view that adds 0.15 a
+  // reduces it by a quarter.
   constexpr double kWider = 0.15;
   double nearest_rad = 10.0;
   double farthest_rad = 0.0;
@@ -76,7 +76,7 @@ bool wants_keyframe(const Map& map, const Pose& pose, int inliers, const MapOpti
 
 KeyframeId most_redundant(const Map& map) {
   constexpr double kAlone = 0.94;       // cos 20 deg
-  constexpr std::uint32_t kNewest = 2;  // they carry the frames to come
+  constexpr std::uint32_t kNewest = 2;  // they support tracking in the next frames
   KeyframeId chosen;
   double highest = -1.0;
   for (std::size_t k = 0; k < map.keyframes.size(); ++k) {

@@ -1,4 +1,4 @@
-// When a frame becomes a keyframe, and which keyframe makes room for it.
+// Choice of keyframes: when a frame becomes one, and which one is removed for it.
 #pragma once
 
 #include <cstdint>
@@ -9,10 +9,10 @@
 
 namespace polhode {
 
-/// A frame becomes a keyframe when the body has turned against the camera by
+/// Should a frame become a keyframe? Yes when the body has rotated against the camera by
 /// keyframe_rotation_min_rad since the nearest keyframe (twice that when half of the table is
-/// taken, 0.15 of the map's own turn where that is less), or when it sees under
-/// keyframe_tracked_min of what the newest keyframe sees.
+/// taken, 0.15 of the map's own rotation where that is less). Also when it sees under
+/// keyframe_tracked_min of the newest keyframe's landmarks.
 bool wants_keyframe(const Map& map, const Pose& pose, int inliers, const MapOptions& options);
 
 /// Stores the frame; its inlier matches become observations. A full table first loses its most
@@ -25,8 +25,8 @@ KeyframeId insert_keyframe(std::uint32_t frame,
                            const MapOptions& options,
                            Map* map);
 
-/// Lets the most redundant keyframes go until `count` more fit under keyframes_max, or none may go.
-/// @return how many went.
+/// Removes the most redundant keyframes until `count` more fit under keyframes_max, or none may go.
+/// @return number removed.
 int make_room(int count, const MapOptions& options, Map* map);
 
 /// The keyframe with the highest redundancy: the part of its landmarks that three others see. Among

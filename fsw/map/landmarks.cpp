@@ -58,8 +58,8 @@ bool connected(const Keyframe& a, const Keyframe& b) {
   return shared >= kSharedMin;
 }
 
-/// Keyframes whose view of the body differs by enough for depth and little enough for descriptors,
-/// best first: the ideal is 8 deg, between small depth errors and descriptors that still hold.
+/// Partner keyframes, best first: their views differ by enough for depth and little enough for
+/// descriptors. The ideal is 8 deg, between small depth errors and matching descriptors.
 FixedVector<KeyframeId, limits::kKeyframes> partners_of(KeyframeId keyframe,
                                                         const CreateOptions& options,
                                                         const Map& map) {
@@ -84,7 +84,7 @@ FixedVector<KeyframeId, limits::kKeyframes> partners_of(KeyframeId keyframe,
   return partners;
 }
 
-/// Features that see no landmark, and stand at a place where no feature with a landmark stands.
+/// Features without a landmark, at places without a feature that has one.
 /// @cost  few neighbours of each feature by u, not all of them.
 void list_free(const Keyframe& keyframe,
                FixedVector<std::int32_t, limits::kFeatures>* taken,
@@ -136,8 +136,8 @@ void prepare_lines(const Keyframe& partner,
   }
 }
 
-/// Sampson error against its gate, squared on both sides: lists whom the line passes. Plain loops
-/// of constant length over plain numbers, of which the compiler takes several at once.
+/// Lists the features whose Sampson error is within the gate, both squared. Plain loops of constant
+/// length over plain numbers, which the compiler vectorises.
 void list_near(const Eigen::Vector3d& line_b,
                double own_variance,
                std::size_t count,
@@ -159,7 +159,7 @@ void list_near(const Eigen::Vector3d& line_b,
       any |= inside[i];
     }
     if (any == 0) {
-      continue;  // most grains have nobody near the line
+      continue;  // most grains have no feature near the line
     }
     for (std::size_t i = 0; i < LineTable::kGrain && begin + i < count; ++i) {
       if (inside[i] != 0) {
@@ -202,9 +202,9 @@ RayObservation observation(const Keyframe& keyframe, std::int32_t feature, doubl
           .sigma_normalised = sigma_normalised(f, focal_px)};
 }
 
-/// The point of a matched pair, if it is one of this body's.
+/// Triangulates a matched pair; nothing where the point is not of this body.
 bool acceptable(const TriangulatedPoint& point, const CreateOptions& options, const Map& map) {
-  // A body is compact: what lies past twice the radius that holds 90 % of its landmarks is a
+  // A body is compact: a point beyond twice the radius that contains 90 % of its landmarks is a
   // mismatch.
   constexpr double kReach = 2.0;
   return point.chi2 < kChi2Pair && point.parallax_rad > options.parallax_min_rad &&
@@ -276,14 +276,14 @@ void match_partner(KeyframeId a,
   }
 }
 
-/// Was the landmark seen shortly before or after the keyframe, or both in the stretch before a loop
-/// and in that after it? Else the drift stands between.
+/// Does the keyframe lie between the landmark's first and last keyframe, to kRecentKeyframes? Else
+/// there is drift between them.
 bool of_same_stretch(const Landmark& landmark, const Keyframe& keyframe) {
   return keyframe.number + kRecentKeyframes >= landmark.created_keyframe &&
          keyframe.number <= landmark.seen_keyframe + kRecentKeyframes;
 }
 
-/// Looks for one landmark among the free features of one keyframe.
+/// Searches for one landmark among the free features of one keyframe.
 std::int32_t find_in(const Landmark& landmark,
                      const Keyframe& keyframe,
                      const FeatureGrid& grid,
@@ -292,7 +292,7 @@ std::int32_t find_in(const Landmark& landmark,
   if (!should_be_seen(landmark, keyframe.pose, camera, &pixel)) {
     return -1;
   }
-  // 3 sigma of the features are 1 to 2 px; the rest is the young landmark's own error.
+  // 3 sigma of the features are 1 to 2 px; the rest is for the young landmark's own error.
   constexpr double kReach_px = 6.0;
   std::array<std::int32_t, 32> near{};
   const std::size_t count = grid.find(pixel.x(), pixel.y(), kReach_px, near);

@@ -1,4 +1,4 @@
-// New landmarks from pairs of keyframes, and the end of bad ones.
+// Creation of landmarks from pairs of keyframes, their extension and culling.
 #pragma once
 
 #include <cstdint>
@@ -36,8 +36,8 @@ struct CreateScratch {
 };
 
 /// Matches the free features of `keyframe` along the epipolar lines in up to four partner
-/// keyframes, triangulates, looks for the point in further keyframes, and keeps what agrees with
-/// all of them within chi-square.
+/// keyframes, triangulates, searches for the point in further keyframes, and keeps points that
+/// agree with all of them within chi-square.
 /// @return landmarks made.
 int create_landmarks(KeyframeId keyframe,
                      const CreateOptions& options,

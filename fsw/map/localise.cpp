@@ -10,7 +10,7 @@ namespace polhode {
 namespace {
 
 // Past 70 deg from its mean viewing direction a spot is foreshortened to a third and its descriptor
-// no longer holds.
+// no longer matches.
 constexpr double kFacingCosineMin = 0.342;
 
 int distance_to_views(const Landmark& landmark, const Feature& feature) {
@@ -73,7 +73,7 @@ void to_observations(const LocaliseInput& input,
   scratch->observations.clear();
   for (const LandmarkMatch& match : matches) {
     const Landmark& landmark = input.map->landmarks[match.landmark.index()];
-    // A landmark fixed by n observations carries 1/n of their variance into this frame's residual.
+    // A landmark determined by n observations adds 1/n of their variance to this frame's residual.
     const double own = 1.0 / std::max(1, landmark.observations);
     (void)scratch->observations.push_back(
         {.p_T = landmark.p_T,
@@ -108,8 +108,7 @@ Result<bool> solve_all(const LocaliseInput& input,
                        const Pose* hint,
                        LocaliseScratch* scratch,
                        LocalisedFrame* out) {
-  // With enough landmarks that have proved themselves the others only follow: they are marked by
-  // the pose of those.
+  // With enough confirmed landmarks only those determine the pose; the others are classified by it.
   const auto first_unconfirmed = std::stable_partition(
       out->matches.begin(), out->matches.end(), [&](const LandmarkMatch& match) {
         return confirmed(input.map->landmarks[match.landmark.index()]);
@@ -148,7 +147,7 @@ struct Agreement {
 /// feature by chance (one in 16, in the smallest circle). Such matches would fix the drift.
 bool drop_old_face_that_disagrees(const Map& map, LandmarkMatches* matches) {
   constexpr std::ptrdiff_t kInliersMin = 8;  // of an aspect: with fewer the rule below is noise
-  constexpr std::ptrdiff_t kYoungMin = 20;   // fewer are no measure
+  constexpr std::ptrdiff_t kYoungMin = 20;   // fewer are no basis for a comparison
   constexpr double kChance = 1.0 / 16.0;     // of a wrong feature to fall within the gate
   Agreement old_face;
   Agreement young;

@@ -17,10 +17,10 @@
 
 namespace polhode {
 
-/// A feature of the frame that is taken for a landmark.
+/// A feature of the frame that is matched to a landmark.
 struct LandmarkMatch {
   LandmarkId landmark;
-  std::int32_t feature = -1;  ///< index into the frame's features; -1 where optical flow found it
+  std::int32_t feature = -1;  ///< index into the frame's features; -1: found by optical flow
   float u_px = 0.0F;          ///< distorted pixel
   float v_px = 0.0F;
   Eigen::Vector2d normalised = Eigen::Vector2d::Zero();
@@ -42,7 +42,7 @@ struct LocalisedFrame {
 
 /// More inliers, beyond chance.
 [[nodiscard]] inline bool outnumbers(int inliers, int others) {
-  constexpr double kApart_sigmas = 3.0;  // 99.7 %, of a count as Poisson has it
+  constexpr double kApart_sigmas = 3.0;  // 99.7 %, of a count with Poisson noise
   return inliers - others >= kApart_sigmas * std::sqrt(static_cast<double>(inliers));
 }
 
@@ -154,7 +154,7 @@ Result<bool> relocalise_elsewhere(const LocaliseInput& input,
                                   LocaliseScratch* scratch,
                                   LocalisedFrame* out);
 
-/// Goes back to a frame that was solved before others.
+/// Restores the result of a frame that was solved before others.
 void take_matches(const LocaliseInput& input,
                   const LocalisedFrame& frame,
                   LocaliseScratch* scratch,

@@ -9,10 +9,10 @@
 namespace polhode {
 namespace {
 
-// dw/dt over w^2, RMS of an axis, of free bodies at random: logarithms of their second moments are
-// 1.5 apart, as in rigid_model, and rates have any direction (decision 0109).
+// dw/dt over w^2, RMS of an axis, of random free bodies: logarithms of their second moments are 1.5
+// apart, as in rigid_model, and rates have any direction (decision 0109).
 constexpr double kChange = 0.17;
-// Over longer turns the mean rate is none of the middle.
+// Longest turn of a link: over a longer one the mean rate is not that of the middle.
 constexpr double kTurnMax_rad = 0.3;
 
 struct Turn {
@@ -20,7 +20,7 @@ struct Turn {
   Eigen::Vector3d turn_I = Eigen::Vector3d::Zero();
 };
 
-/// From one of the snapshot's keyframes to another.
+/// Rotation from one of the snapshot's keyframes to another.
 Turn turn_between(const AdjustmentSnapshot& s, std::size_t from, std::size_t to) {
   return {.duration_s = 1e-9 * static_cast<double>(s.timestamps_ns[to] - s.timestamps_ns[from]),
           .turn_I = so3_log(s.R_IC[to] * s.poses[to].R_CT *

@@ -7,8 +7,9 @@
 namespace polhode {
 
 /// Links each three successive keyframes of the snapshot by the two rates of rotation between them,
-/// in the observer's inertial axes. A young map, whose landmarks leave its turns nearly free, does
-/// not bend then. Keyframes far apart in time are not linked, nor links made if all are fixed.
+/// in the observer's inertial axes. The landmarks of a young map leave its rotations nearly free;
+/// links keep it from bending. Keyframes far apart in time are not linked, nor those that are all
+/// fixed.
 void add_rate_links(AdjustmentSnapshot* snapshot);
 
 }  // namespace polhode

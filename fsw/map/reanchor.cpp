@@ -49,8 +49,8 @@ void check_attitudes(std::span<const ReanchorFrame> frames, Reanchoring* reancho
   // With this phase error three sigma are within a half turn. A larger one does not constrain T,
   // however accurate the rate is.
   constexpr double kPhaseKnown_rad = 1.0;
-  // What changes evenly has an RMS of 1 / sqrt(12) of it about its mean; 99.7 % of three numbers
-  // lie within 3.8 sigma.
+  // A linear change has an RMS of 1 / sqrt(12) of it about its mean; 99.7 % of three numbers lie
+  // within 3.8 sigma.
   constexpr double kChangePart = 1.1;
   const bool known = std::all_of(frames.begin(), frames.end(), [](const ReanchorFrame& frame) {
     return frame.predicted_sigma_rad < kPhaseKnown_rad;
@@ -100,7 +100,7 @@ Eigen::Vector4d scale_and_origin(std::span<const ReanchorFrame> frames,
 }  // namespace
 
 Result<Reanchoring> reanchor_map(std::span<const ReanchorFrame> frames, const ReanchorBody& body) {
-  constexpr std::size_t kFramesMin = 3;  // two leave a path without a check
+  constexpr std::size_t kFramesMin = 3;  // with two the path has no check
   if (frames.size() < kFramesMin) {
     return ErrorCode::kTooFewObservations;
   }

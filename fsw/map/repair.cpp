@@ -9,11 +9,11 @@
 namespace polhode {
 namespace {
 
-// A map begins with no less, and a pose needs 12 landmarks.
+// Least sizes of a usable map: an initialisation has no less, and a pose needs 12 landmarks.
 constexpr int kKeyframesMin = 2;
 constexpr int kLandmarksMin = 12;
 
-/// @return flags put right.
+/// @return flags repaired.
 template <typename Table>
 std::uint32_t repair_flags(Table* table) {
   std::uint32_t done = 0;
@@ -89,7 +89,7 @@ std::uint32_t drop_associations(Map* map) {
   return dropped;
 }
 
-/// Landmarks that fewer than two keyframes still see go.
+/// Removes landmarks that fewer than two keyframes still see.
 std::uint32_t count_observations(Map* map) {
   std::array<std::int32_t, limits::kLandmarks> counts{};
   for (const Keyframe& keyframe : map->keyframes) {

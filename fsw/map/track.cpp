@@ -81,9 +81,8 @@ bool within_steps(const ExpectedPose& expected, const AbsolutePose& found, doubl
          rotation_angle_rad(found.pose.R_CT, expected.prediction.pose.R_CT) < bound_rad;
 }
 
-/// Could a body that moved as expected until the last pose be here? A slow one that is pushed goes
-/// further than two of its steps. Faces that look alike are further apart, and so are most images
-/// of another moment.
+/// Could the body be here, with a push since the last pose? A slow body goes further than two of
+/// its steps then. Alike faces are further apart, and so are most images of another time.
 bool within_reach(const ExpectedPose& expected, const AbsolutePose& found, double moved_rad) {
   constexpr double kPushed_rad = 0.17;  // 10 deg from one frame to the next. Chosen
   return within_steps(expected, found, moved_rad) ||
@@ -94,7 +93,7 @@ bool within_reach(const ExpectedPose& expected, const AbsolutePose& found, doubl
 /// too uncertain for matching.
 std::optional<PosePrediction> tried_prior(const ExpectedPose& expected) {
   PosePrediction prior = expected.prediction;
-  // A map's depth is known to some percent, which falsifies a step by as much (plausible()).
+  // A map's depth has an error of some percent, and so has a step (plausible()).
   widen_attitude(kDepthError * expected.step_rad, &prior.covariance);
   const double variance = prior.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff();
   if (is_young(expected, false) ||
@@ -120,10 +119,10 @@ void prepare_flow(const cv::Mat& gray, MapState* s) {
 }
 
 bool follow_by_flow(const MapInput& input, const ExpectedPose& expected, MapState* s) {
-  // Edges slide along themselves; glints and what is behind the silhouette stay in place while the
-  // body turns. From a patch that was taken more than a degree ago flow finds poses that lag, by up
-  // to 3 deg, all of a narrow face's landmarks alike. A keyframe comes later than that, and needs
-  // features anyway.
+  // Edges slide along themselves; glints and background at the silhouette stay in place while the
+  // body rotates. From a patch more than a degree old, flow finds poses that lag by up to 3 deg,
+  // with all of a narrow face's landmarks in agreement. A keyframe comes later than a degree, and
+  // needs features anyway.
   constexpr double kTurnMost_rad = 0.0175;
   const Pose& predicted = expected.prediction.pose;
   if (!s->reference.valid ||
@@ -148,16 +147,17 @@ bool follow_by_flow(const MapInput& input, const ExpectedPose& expected, MapStat
 bool find_about(const MapInput& input, const ExpectedPose& expected, MapState* s) {
   const Pose& predicted = expected.prediction.pose;
   const double body_px = s->map.radius_mu * input.camera->focal_px() / predicted.p_CT.z();
-  // The rotation of one frame to the next is predicted to about a tenth; three circles, each three
-  // times the one before, bracket what that leaves.
+  // The rotation between frames is predicted to about a tenth; three circles, each three times the
+  // one before, cover the error.
   const double first_px = std::max(input.localise->search_floor_px, 0.04 * body_px);
   LocalisedFrame& best = s->scratch.other;
   best.absolute.inliers = 0;
   bool best_believable = false;
-  // What agrees with the initialisation, in whichever circle, goes before what may contradict it.
+  // A pose that agrees with the initialisation, in any circle, comes before one that may contradict
+  // it.
   for (const bool initialisation_checks : {true, false}) {
     if (!initialisation_checks && is_young(expected, true) == is_young(expected, false)) {
-      break;  // the same again
+      break;  // nothing would differ
     }
     double radius_px = first_px;
     for (int i = 0; i < 3; ++i, radius_px *= 3.0) {
@@ -225,7 +225,7 @@ bool relocalise_frame(const MapInput& input, MapState* s) {
 
 bool recognise_frame(const MapInput& input, MapState* s) {
   constexpr int kFramesMin = 3;         // with the same aspect
-  constexpr std::uint32_t kGapMax = 3;  // frames: after them it has turned too far
+  constexpr std::uint32_t kGapMax = 3;  // frames: after them the body has rotated too far
   const LocaliseInput localise = localise_input(input, s->map);
   RecognisedPose& last = s->before.recognised;
   const auto agreed = [&](const Result<bool>& done) {
@@ -257,7 +257,8 @@ bool is_ambiguous(const MapInput& input, const std::optional<ExpectedPose>& expe
   const bool rival = done && agrees(*other, input.localise->inliers_min) &&
                      rotation_angle_rad(found.pose.R_CT, other->absolute.pose.R_CT) >
                          4.0 * sigma_between(found.covariance, other->absolute.covariance);
-  take_matches(localise, s->localised, &s->scratch.localise, other.get());  // for what follows
+  take_matches(
+      localise, s->localised, &s->scratch.localise, other.get());  // restores the scratch memory
   return rival;
 }
 
@@ -279,7 +280,7 @@ bool jumps_by_drift(const ExpectedPose& expected, const MapState& s) {
 }
 
 bool plausible(const ExpectedPose& expected, bool initialisation_checks, const MapState& s) {
-  constexpr std::size_t kPosesMin = 3;  // two give a rate without a check
+  constexpr std::size_t kPosesMin = 3;  // two poses give a rate without a check
   const PosePrediction& predicted = expected.prediction;
   if (predicted.rotation_poses < kPosesMin) {
     return true;

@@ -15,10 +15,10 @@ inline constexpr std::size_t kPosesTried = 6;  ///< poses after which a motion c
 /// substitute for a pose.
 inline constexpr double kPredictionSigmaMost_rad = 0.05;
 
-/// The pose that the motion so far gives this frame, and how far that motion has been checked.
+/// The pose predicted for this frame, and how far its motion has been checked.
 struct ExpectedPose {
   PosePrediction prediction;
-  double step_rad = 0.0;  ///< turn from the last pose to it
+  double step_rad = 0.0;  ///< rotation from the last pose to it
   std::size_t poses_since_start =
       0;  ///< tracked one by one; an initialisation's poses have one common error
 };
@@ -32,8 +32,8 @@ void prepare_flow(const cv::Mat& gray, MapState* state);
 /// @return false where that is not so, or where the pose contradicts the motion so far.
 bool follow_by_flow(const MapInput& input, const ExpectedPose& expected, MapState* state);
 
-/// Guided matching about the expected pose, in a circle that grows when too few features agree.
-/// Of poses that contradict the motion so far the one with most inliers is kept for
+/// Guided matching about the predicted pose, in a circle that grows when too few features agree. Of
+/// poses that contradict the motion so far, the one with most inliers is kept for
 /// overrule_motion().
 bool find_about(const MapInput& input, const ExpectedPose& expected, MapState* state);
 
@@ -55,7 +55,7 @@ bool overrule_motion(const MapInput& input,
                      bool by_prior,
                      MapState* state);
 
-/// By descriptors alone, over all keyframes.
+/// Finds the pose by descriptors alone, over all keyframes.
 bool relocalise_frame(const MapInput& input, MapState* state);
 
 /// Finds the pose by appearance where most descriptor matches are wrong, as in other light. It is
@@ -85,30 +85,29 @@ bool is_revisited(const MapState& state);
 /// the body? A larger jump is no drift.
 bool jumps_by_drift(const ExpectedPose& expected, const MapState& state);
 
-/// Agrees with the motion, or is strong enough to be accepted without it.
+/// Agrees with the motion, or is accepted without it for its inliers.
 bool believable(const ExpectedPose& expected, bool initialisation_checks, const MapState& state);
 
-/// Combines this frame's pose with the pose by a motion that is known together with the map. Where
-/// one face of the body leaves a rotation uncertain, the motion constrains it. A measurement that
-/// contradicts the prior is left as it is.
+/// Fuses this frame's pose with the prediction of a motion that was fitted together with the map.
+/// Where one face of the body leaves a rotation uncertain, the motion constrains it. A measurement
+/// that contradicts the prior is left as it is.
 void fuse_with_prior(const PosePrediction& prior, MapState* state);
 
 /// Marks this frame's pose as inconsistent with the motion, while no disturbance hypothesis is
 /// decided: its covariance grows by the squared innovation.
 void mark_inconsistent(const PosePrediction& predicted, MapState* state);
 
-/// Gives a pose that was found by flow matches to this frame's features, so that it can become a
-/// keyframe.
+/// Matches this frame's features to a pose by flow, so that the frame can become a keyframe.
 /// @return false, with the pose by flow as it was, where the features do not confirm it.
 bool match_features(const MapInput& input,
                     const std::optional<PosePrediction>& prior,
                     MapState* state);
 
-/// Counts for each landmark that it should have been seen, and whether it was.
-/// @param by_flow  flow can find only what it followed.
+/// Counts for each landmark whether it should have been seen, and whether it was.
+/// @param by_flow  flow finds only landmarks of its reference.
 void count_observations(const CameraModel& camera, bool by_flow, MapState* state);
 
-/// Flow follows this frame from here on.
+/// Makes this frame the reference of optical flow.
 void renew_reference(std::uint32_t frame, MapState* state);
 
 }  // namespace polhode

@@ -1,4 +1,4 @@
-// An adjustment's result comes into the map, and what stands on the map follows.
+// Writes an adjustment's result into the map, and updates poses and matches that depend on it.
 #pragma once
 
 #include "map/map_state.hpp"
@@ -6,7 +6,7 @@
 
 namespace polhode {
 
-/// What a result has changed.
+/// The change by an adjustment's result.
 struct MapUpdate {
   MapCorrection correction;
   bool applied = false;
@@ -21,7 +21,7 @@ MapUpdate take_adjusted(const AdjustmentSnapshot& snapshot,
 /// Does the map still contain keyframes from before the last re-anchoring?
 [[nodiscard]] bool reaches_over_reanchoring(const MapState& state);
 
-/// A flow reference that is later than the adjusted keyframes moves along with them.
+/// Moves a flow reference that is newer than the adjusted keyframes along with them.
 void correct_reference(const MapCorrection& correction, MapState* state);
 
 /// Copies a moved keyframe's pose to the flow reference and to this frame, where they are of the
@@ -29,7 +29,7 @@ void correct_reference(const MapCorrection& correction, MapState* state);
 /// @param frame  this one. @return whether this frame is the keyframe.
 bool follow_keyframe(const Keyframe& keyframe, std::uint32_t frame, MapState* state);
 
-/// Landmarks and matches after the map has changed.
+/// Updates landmarks and matches after a change of the map.
 void refresh_map(const CameraModel& camera, MapState* state);
 
 /// Solves again, from the keyframe's observations, for the pose of this frame or of the earlier one

@@ -61,7 +61,7 @@ bool numbers_differ(const Map& map) {
   return true;
 }
 
-/// Used slots, as flags that are flags.
+/// Are `count` slots used, and all flags 0 or 1?
 template <typename Table>
 bool counts_are(const Table& table, std::int32_t count) {
   std::int32_t used = 0;
@@ -77,7 +77,8 @@ bool counts_are(const Table& table, std::int32_t count) {
 }  // namespace
 
 bool is_valid(const Feature& feature, const CameraModel& camera) {
-  // Of a model from a nearer pass a keyframe lies beside the image, by as much as ranges differ.
+  // In a model from a nearer pass a keyframe's features may lie outside of the image, by the ratio
+  // of the ranges.
   constexpr float kImages = 1024.0F;
   const auto near = [](float pixel, int side_px) {
     return std::abs(pixel) <= kImages * static_cast<float>(side_px);

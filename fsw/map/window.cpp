@@ -33,7 +33,8 @@ void collect_landmarks(const Keyframe& keyframe, std::array<bool, limits::kLandm
   }
 }
 
-/// Keyframes by how many of the wanted landmarks they see, most first, newest first among equals.
+/// Keyframes by the number of wanted landmarks that they see, most first, newest first among
+/// equals.
 KeyframeIds by_covisibility(const Map& map,
                             const std::array<bool, limits::kLandmarks>& wanted,
                             const KeyframeIds& except) {
@@ -210,7 +211,7 @@ Similarity back_onto(const AdjustmentSnapshot& s, const Map& map) {
   return aligned ? aligned.value() : Similarity{};
 }
 
-/// By the newest of the snapshot's keyframes that are still there.
+/// Correction by the newest of the snapshot's keyframes that are still in the map.
 MapCorrection correction_of(const AdjustmentSnapshot& s, const Map& map) {
   MapCorrection correction;
   correction.back = back_onto(s, map);
@@ -229,7 +230,8 @@ MapCorrection correction_of(const AdjustmentSnapshot& s, const Map& map) {
   return correction;
 }
 
-/// Does every keyframe see the body before it, those of the snapshot and those that come along?
+/// Is the body in front of every keyframe's camera, for those of the snapshot and those that move
+/// along?
 bool all_in_front(const AdjustmentSnapshot& s, const MapCorrection& correction, const Map& map) {
   const bool adjusted =
       std::all_of(s.poses.begin(), s.poses.end(), [&](const InverseDepthPose& pose) {

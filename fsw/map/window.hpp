@@ -16,15 +16,15 @@ struct MotionTerms {
   FixedVector<RateLink, limits::kKeyframes> links;
 };
 
-/// Copy of the part of the map that an adjustment works on; the adjustment itself needs nothing
-/// else. Some 3 MB: not for the stack.
+/// Copy of the part of the map that an adjustment changes, and its only input. Some 3 MB: not for
+/// the stack.
 struct AdjustmentSnapshot {
   FixedVector<KeyframeId, limits::kKeyframes> keyframes;
   FixedVector<std::uint32_t, limits::kKeyframes> keyframe_numbers;
   FixedVector<InverseDepthPose, limits::kKeyframes> poses;
   FixedVector<std::uint8_t, limits::kKeyframes> pose_fixed;
   FixedVector<std::int64_t, limits::kKeyframes> timestamps_ns;  ///< of the keyframes,
-  FixedVector<Eigen::Matrix3d, limits::kKeyframes> R_IC;  ///< and the observer's attitude then
+  FixedVector<Eigen::Matrix3d, limits::kKeyframes> R_IC;        ///< the observer's attitude then
   MotionTerms motion;
   FixedVector<LandmarkId, limits::kLandmarks> landmarks;
   FixedVector<std::int32_t, limits::kLandmarks> landmark_numbers;
@@ -34,7 +34,7 @@ struct AdjustmentSnapshot {
   std::uint32_t next_keyframe_number = 0;  ///< of the map; keyframes from it on are newer
   std::int32_t next_landmark_number = 0;
   std::uint32_t left_out =
-      0;  ///< observations that found the table full: those of the oldest keyframes
+      0;  ///< observations of the oldest keyframes, for which the table had no room
 };
 
 /// The newest keyframe and those that share most landmarks with it, `window` in all, free to move;
@@ -55,7 +55,7 @@ BundleReport adjust(AdjustmentSnapshot* snapshot, const BundleOptions& options);
 /// How the newest keyframe of a snapshot was moved. Poses and points added since move along.
 struct MapCorrection {
   std::int64_t timestamp_ns =
-      INT64_MAX;  ///< of that keyframe; INT64_MAX: it is no longer there, or nothing was changed
+      INT64_MAX;  ///< of that keyframe; INT64_MAX: it is gone, or nothing was changed
   std::uint32_t frame = UINT32_MAX;
   Pose before;
   Pose after;

@@ -74,8 +74,8 @@ Shares shares_of(const Counts& counts) {
   return shares;
 }
 
-/// Counts appearances outside, in neither, and inside.
-/// @param inside, not_outside  CV_8UC1, 0 and 255; what is inside is not outside.
+/// Counts the appearances of pixels outside of the target, in the band between, and inside.
+/// @param inside, not_outside  CV_8UC1, 0 and 255; `not_outside` is the inside and the band.
 std::array<Counts, 3> count_appearances(const cv::Mat& appearances,
                                         const cv::Mat& inside,
                                         const cv::Mat& not_outside) {
@@ -93,7 +93,7 @@ std::array<Counts, 3> count_appearances(const cv::Mat& appearances,
   return counts;
 }
 
-/// Unary cost of an appearance that is so many times as frequent on the target as beside it.
+/// Unary cost of an appearance. @param ratio  its frequency on the target over that beside it.
 float cost_of_ratio(double ratio) {
   return static_cast<float>(kCostShare * std::clamp(std::log(ratio), -kLogMost, kLogMost));
 }

@@ -8,7 +8,7 @@ namespace polhode {
 /// How far an outline may be moved, in the image's pixels, and by how many of them at a time.
 struct CutReach {
   int px;
-  int cell_px = 1;  ///< 2: a far cut in an eighth of the time, for a near one to follow
+  int cell_px = 1;  ///< 2: coarse, an eighth of the time; a fine cut follows
 };
 
 /// Unary cost of the graph cut.

@@ -67,8 +67,8 @@ void flow(const FlowPyramid& before,
       cv::OPTFLOW_USE_INITIAL_FLOW);
 }
 
-/// Third quartile of the differences of the first `count` points, levels. The median would miss
-/// that half of them are lost (decision 0013). None found: the largest there is.
+/// Third quartile of the differences of the first `count` points, levels. The median would not show
+/// the loss of half of them (decision 0013). 255 when no point was found.
 float typical_error(int count, PointsState* s) {
   constexpr float kLargest = 255.0F;  // of 8-bit levels
   std::size_t found = 0;
@@ -82,9 +82,10 @@ float typical_error(int count, PointsState* s) {
 
 /// Tracks points with a known motion from its prediction. When they suddenly differ more than in
 /// the image before, the motion has changed: an image is missing, or the camera has been rotated.
-/// Then they are searched for as far as new ones.
+/// Then the search range is that of new points.
 void flow_with_prediction(int known, PointsState* s) {
-  // Twice what it was (decision 0013). Larger misses changes of motion, smaller searches in vain.
+  // Ratio of the difference to the last image's (decision 0013). Larger misses changes of motion,
+  // smaller searches in vain.
   constexpr float kLessAlike = 2.0F;
   constexpr float kLevelsOff = 1.0F;  // images without noise are rounded to levels
   const int all = static_cast<int>(s->from.size());

@@ -177,8 +177,8 @@ TargetFrame frame_of(const Shape& shape, const ShapeWork& work, const Shape* pre
   return previous != nullptr ? relabel_like(frame, previous->frame) : frame;
 }
 
-// Points this flat do not determine a length. Chosen: a gap at either end, and 2.5 sigma of the
-// noise at either end.
+// Points this flat do not determine a length. Chosen: a spacing and 2.5 sigma of the noise at
+// either end.
 constexpr double kFlat_spacings = 2.0;
 constexpr double kFlat_thicknesses = 2.0 * kBand_thicknesses;
 
@@ -187,7 +187,7 @@ void measure_points(const ShapeWork& work, Shape& shape) {
   for (Eigen::Index k = 0; k < 3; ++k) {
     const Extent extent = extent_along(work, shape.frame.R_TB.col(k));
     shape.dimensions(k) = extent.most - extent.least;
-    // A gap at the ends, and the noise.
+    // The spacing of points at the ends, and the noise.
     shape.sigma_dimensions(k) = shape.spacing + shape.thickness;
     shape.dimension_basis[static_cast<std::size_t>(k)] =
         shape.dimensions(k) > flat ? DimensionBasis::kPoints : DimensionBasis::kNothing;

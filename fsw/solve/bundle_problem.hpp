@@ -49,8 +49,8 @@ struct BundleLimits {
   static constexpr std::size_t kObservations = limits::kAdjustmentObservations;
 };
 
-/// Heap that an adjustment of so many observations takes at most: those of Ceres's residuals and
-/// Jacobian, some of its points, and the dense system of all poses. tests/memory measures it.
+/// Bound on the heap of an adjustment: Ceres's residuals and Jacobian, its points, and the dense
+/// system of all poses. tests/memory measures it.
 constexpr std::size_t adjustment_bytes_max(std::size_t observations, std::size_t poses) {
   // 700 were measured with six or more views a point, 860 with three, the least in the mean.
   constexpr std::size_t kOfObservation = 870;

@@ -158,7 +158,7 @@ Result<RotationSolution> grow(const RotationProblem& problem, const InertiaShape
       return refined;
     }
     solution = refined.value();
-    // Twice the window, or as much of that as the phase is predicted for.
+    // Twice the window, or less where the predicted phase is too uncertain at its ends.
     std::size_t next = std::min(count, 2 * size);
     while (next > size + 1) {
       const std::array<std::size_t, 2> wide = window(next);

@@ -110,7 +110,7 @@ void join(std::size_t earlier,
   }
 }
 
-/// How far a track's points are from its first one, the farthest of them.
+/// Largest distance of a track's points from its first one.
 double spread_px(const Track& track, const TrackTable& table) {
   const auto place = [&](const TrackPoint& point) {
     const Feature& f = feature_of(point, table);
@@ -169,8 +169,8 @@ void drop_resting_tracks(TrackTable* table, RestingPlaces* resting) {
   // Three sigma of a strong feature that is detected again in the same place. On a body, where its
   // axis meets the image, tracks move by 0.2 to 1 px.
   constexpr double kRest_px = 0.4;
-  // So many move, by as much in the middle, that the body turns. Chosen: as many as span a window
-  // that is searched, and more than what a slow body's tracks differ by.
+  // Moving tracks, and their median motion, that show a rotating body. Chosen: as many as a window
+  // of a selection needs (collect.cpp); more than the tracks of a slow body move.
   constexpr std::size_t kMovingMin = 40;
   // Too few for an initialisation by themselves, unless more places are known to rest.
   constexpr std::size_t kRestingMin = 12;

@@ -61,11 +61,11 @@ void add_frame(std::uint32_t frame,
 void drop_oldest_frame(TrackTable* table);
 
 /// Drops the frames before the last three where fewer than `tracks_min` tracks connect them to
-/// these. They show something else: no initialisation can use both.
+/// these: no initialisation can use both.
 void drop_unconnected_frames(std::size_t tracks_min, TrackTable* table);
 
-/// Drops the tracks that stay where they are in the image while others move, and remembers their
-/// places. Where nothing moves they stay.
+/// Drops the tracks that stay in place in the image while others move, and stores their places.
+/// Where nothing moves they stay.
 void drop_resting_tracks(TrackTable* table, RestingPlaces* resting);
 
 void clear(TrackTable* table);
