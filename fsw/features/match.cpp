@@ -7,13 +7,13 @@
 namespace polhode {
 namespace {
 
-// A blob with two orientations. Chosen: their places are equal, those of other blobs seldom as
-// close.
+// Distance within which features are orientations of one blob. Chosen: their places are equal,
+// those of other blobs seldom as close.
 constexpr float kSamePlace_px = 1.0F;
 
 using Bests = std::array<NearestFeature, limits::kFeatures>;
 
-/// Each feature's nearest of the other list, and the nearest of those at another place.
+/// Nearest feature of the other list for each, and the nearest at another place.
 void find_nearest(std::span<const Feature> a,
                   std::span<const Feature> b,
                   Bests* forward,

@@ -20,19 +20,19 @@ constexpr int kRoughnesses = 4;
 constexpr std::size_t kAppearances = kLevels * kRoughnesses;
 using Shares = std::array<double, kAppearances>;
 
-// What an appearance counts that is e times as frequent on the target: as much as the outline. With
+// Unary cost of an appearance that is e times as frequent on the target: that of the outline. With
 // 0.15 and 0.2 overlap is up to 0.01 lower before the Earth (decision 0008).
 constexpr double kCostShare = 0.3;
-// Share of pixels at which an appearance starts to count: a fifth of an even spread over the 64.
+// Least share of pixels of an appearance that counts: a fifth of an even distribution over the 64.
 // Chosen; smaller lets single pixels decide.
 constexpr double kRare = 0.003;
-// No appearance counts more than e^2, 0.6 in all. Chosen: larger outweighs outline and motion.
+// Bound on the logarithm: e^2, a cost of 0.6 in all. Chosen: larger outweighs outline and motion.
 constexpr double kLogMost = 2.0;
 
-/// Number of an appearance. Roughness is the highest less the lowest of 3 x 3 pixels.
+/// Number of an appearance. Roughness is the range of 3 x 3 pixels.
 std::uint8_t appearance_of(std::uint8_t level, std::uint8_t range) {
-  // From even to noise or faint texture, to texture, to an edge, in levels. Chosen, in steps of
-  // about 3: noise of 2 levels has a range of 6 over nine pixels.
+  // Bounds of the roughnesses, in levels: even, noise or faint texture, texture, edge. Chosen, in
+  // steps of about 3: noise of 2 levels has a range of 6 over nine pixels.
   constexpr int kFaint = 8;
   constexpr int kTexture = 24;
   constexpr int kEdge = 64;
@@ -126,8 +126,8 @@ void add_appearance(const cv::Mat& image,
     return;
   }
   find_appearances(image(box), s);
-  // Left out around the outline: what it is off by outside, half of that inside, where a small
-  // target would have nothing left.
+  // Band left out around the outline: its error outside, half of that inside, where a small target
+  // would have nothing left.
   constexpr int kMarginOut_px = kOutlineOff_px;
   constexpr int kMarginIn_px = kOutlineOff_px / 2;
   cv::erode(outline(box), s->one, cv::Mat(), cv::Point(-1, -1), kMarginIn_px);

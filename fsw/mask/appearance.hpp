@@ -1,4 +1,4 @@
-// Appearance model: gray level and roughness, of the target and of what is beside it.
+// Appearance model: gray level and roughness, of the target and of its surroundings.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -10,12 +10,13 @@ struct AppearanceScratch {
   cv::Mat appearances, one, other;
 };
 
-/// Adds the appearance to a unary cost: the logarithm of how frequent a place's appearance is
-/// within the outline against around it. Against one where the background in that very place is
-/// known to look like this. An even place fits both motions, and only its appearance separates it:
-/// a panel's dark cell before a bright Earth. Adds nothing where inside or outside has under a few
-/// hundred pixels.
-/// @param image CV_8UC1. @param outline CV_8UC1, same size.
+/// Adds the appearance to a unary cost: the log ratio of its frequencies within the outline and
+/// around it. Where the pixel agrees with the known background, the frequency around it is taken as
+/// one. An even place agrees with both motions, so only its appearance separates it, as a panel's
+/// dark cell before a bright Earth. Adds nothing where inside or outside has under a few hundred
+/// pixels.
+/// @param image CV_8UC1.
+/// @param outline CV_8UC1, same size.
 /// @param matches CV_8UC1, same size, 255 where the image agrees with the known background.
 /// @param region outside of it nothing is added.
 /// @param step pixels of the image per pixel of the unary cost, along a side.

@@ -25,7 +25,7 @@ int tolerance_of(double noise) {
 }  // namespace
 
 bool stands_still(const BackgroundState& background, const cv::Size& size) {
-  constexpr double kStill_px = 0.5;  // pixels stay the same ones (decision 0014)
+  constexpr double kStill_px = 0.5;  // so that pixels stay the same ones (decision 0014)
   const auto right = static_cast<float>(size.width);
   const auto bottom = static_cast<float>(size.height);
   const std::array<cv::Point2f, 4> corners{

@@ -1,7 +1,6 @@
 // Gray level of the background in each place, where the camera stands still.
-//
-// A running median over time that leaves the target out. A median over all images is the target
-// where that covers a place for half of the time (decision 0014).
+// A running median over time without the target. A median over all images would be the target's
+// level where it covers a place for half of the time (decision 0014).
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -17,7 +16,7 @@ struct BackgroundModel {
                     ///< background in that very place
 };
 
-/// Does one of the background's motions leave the image where it was?
+/// Does one of the background's motions leave the image in place?
 bool stands_still(const BackgroundState& background, const cv::Size& size);
 
 /// Updates the background model outside of the target's outline, beyond the outline's error.

@@ -1,11 +1,11 @@
-// Moves an outline by its last pixels, to image edges.
+// Moves an outline to image edges, over its last pixels.
 #pragma once
 
 #include <opencv2/core.hpp>
 
 namespace polhode {
 
-/// How far an outline may be moved, in the image's pixels, and by how many of them at a time.
+/// Range and resolution of a cut, in the image's pixels.
 struct CutReach {
   int px;
   int cell_px = 1;  ///< 2: coarse, an eighth of the time; a fine cut follows
@@ -29,14 +29,14 @@ struct ImageEdges {
 void measure_edges(const cv::Mat& image, const cv::Rect& box, ImageEdges* edges);
 
 /// Moves the outline to image edges nearby, by a graph cut: the cheapest boundary between target
-/// and the rest, dear where the image is even. For keyframes. Outside of the edges' box nothing
-/// changes.
+/// and the rest, expensive where the image is even. For keyframes. Outside of the edges' box
+/// nothing changes.
 /// @param unary_cost far smaller than the boundary cost of an even place: it decides on which side
 /// of an edge the target is; the edges decide where the boundary runs.
 /// @param reach by pixels, or by the unary cost's cells.
 /// @param outline CV_8UC1, 255 on the target.
-/// @cost one maximum flow over the cells that the outline may be moved over: more than in
-/// proportion to them.
+/// @cost one maximum flow over the cells within reach of the outline: more than in proportion to
+/// them.
 /// @source Boykov and Kolmogorov, PAMI 2004, by way of OpenCV; from coarse to fine as Lombaert et
 /// al., ICCV 2005.
 void cut_at_edges(const ImageEdges& edges,

@@ -19,17 +19,17 @@ namespace {
 // larger keeps the mask closed for longer, smaller opens it after a few badly tracked images.
 constexpr int kUnexplainedMax = 5;
 
-// With a map, log-odds are kept by cells of so many working pixels: their window is wider than
-// that, and outlines are moved to edges afterwards. Not before a map: its first outlines in a room
-// overlapped by 0.5 instead of 0.8 (decision 0010).
+// Working pixels of a cell of the log-odds with a map: their window is wider than that, and
+// outlines are moved to edges afterwards. Not before a map: its first outlines in a room overlapped
+// by 0.5 instead of 0.8 (decision 0010).
 constexpr int kCoarseStep = 2;
 
-/// Half the spacing of a body's texture: 4 px of 640. Chosen; larger closes over the background
-/// between parts, smaller leaves panels as grids.
+/// Radius of the closing: half the spacing of a body's texture, 4 px of 640. Chosen; larger closes
+/// over the background between parts, smaller leaves panels as grids.
 int closing_radius(const MaskState& s) { return std::max(2, s.points.whole().width / 160); }
 
-/// What gaps are closed with. With a map a square, which is separable. Before one a disc: a map's
-/// first poses are as good as its first outlines.
+/// Structuring element of the closing. With a map a square, which is separable. Before one a disc,
+/// as a map's first poses depend on its first outlines.
 cv::Mat closing(const MaskState& s, int radius) {
   const int side = 2 * radius + 1;
   return has_map(s) ? cv::Mat::ones(side, side, CV_8UC1)
@@ -43,7 +43,7 @@ cv::Rect with_seeds(const cv::Rect& box, const MaskState& s) {
   return s.map.seeds.empty() ? box : (box | seeds) & s.points.whole();
 }
 
-/// Fills `enclosed` with what the log-odds enclose when gaps are closed.
+/// Fills `enclosed` with the cells that the log-odds enclose when gaps are closed.
 /// @return the working pixels that it covers: none where nothing is enclosed.
 cv::Rect enclose(int gap_radius_px, MaskState* s) {
   const int step = s->foreground.step;
@@ -71,9 +71,9 @@ void find_piece(MaskState* s) {
   s->found = cv::countNonZero(s->scratch.enclosed) > 0;
 }
 
-/// Adds what the log-odds enclose when gaps twice as wide are closed (decision 0007), except where
-/// the background is seen. A panel as gray as the ocean behind it shows by its grid alone. Not
-/// bounded by the landmarks' reach: a face that comes into view has none yet.
+/// Adds the cells that the log-odds enclose when gaps twice as wide are closed (decision 0007),
+/// except where the background is seen. A panel as gray as the ocean behind it shows by its grid
+/// alone. The landmarks' reach is no bound, as a face that comes into view has no landmarks yet.
 void widen_outline(MaskState* s) {
   const cv::Rect box = enclose(2 * closing_radius(*s), s);
   MaskScratch& scratch = s->scratch;
@@ -85,22 +85,21 @@ void widen_outline(MaskState* s) {
   cv::bitwise_or(outline, scratch.added(box), outline);
 }
 
-/// How far the first cut may move an outline, in working pixels: 1/32 of the width, and no less
-/// than outlines are off. With 1/48 overlaps are 0.007 lower in a room, and no time is saved
-/// (decision 0011).
+/// Reach of the first cut, in working pixels: 1/32 of the width, and at least the outline's error.
+/// With 1/48 overlaps are 0.007 lower in a room, and no time is saved (decision 0011).
 int far_reach_px(const MaskState& s) { return std::max(kOutlineOff_px, s.outline.cols / 32); }
-// The second cut goes by pixels: half a cell is what the first one leaves.
+// Reach of the second cut, by pixels: half a cell of the first one.
 constexpr int kNearReach_px = kCoarseStep / 2;
 
-/// Where the cuts need a unary cost: as far as both reach, and the neighbours of those pixels.
+/// Box of the unary cost: the reach of both cuts, and the neighbours of those pixels.
 cv::Rect box_of_cuts(const MaskState& s) {
   const cv::Rect box = with_seeds(cv::boundingRect(s.outline), s);
   return grown(box, far_reach_px(s) + kNearReach_px + 1) & s.points.whole();
 }
 
-/// Where edges are measured, and their mean square. Before a map an eighth of the outline's size
-/// around it. Measured over box_of_cuts, one of seven maps before a limb began an image later; with
-/// one seed of five it was three times as far off.
+/// Box of the edges and of their mean square. Before a map an eighth of the outline's size around
+/// it. Measured over box_of_cuts, one of seven maps before a limb began an image later; with one
+/// seed of five it was three times as far off.
 cv::Rect box_of_edges(const MaskState& s) {
   if (has_map(s)) {
     return box_of_cuts(s);
@@ -115,7 +114,7 @@ cv::Rect box_of_edges(const MaskState& s) {
 /// even place, 6 (edge_cut.hpp): a strip of background that the target has just uncovered
 /// contradicts the background's model as the target does, so only image edges give the outline.
 void form_unary_cost(const cv::Rect& box, MaskState* s) {
-  // Record 0007. With 0.35 the outline keeps the uncovered strip: overlap 0.88 instead of 0.93.
+  // Decision 0007. With 0.35 the outline keeps the uncovered strip: overlap 0.88 instead of 0.93.
   constexpr float kLogOddsShare = 0.15F;
   // Places that look like the background agree by chance. With -2, landmarks on the background rose
   // from 3 of 1411 to 12 of 1363 before the Earth (decision 0007).
@@ -126,7 +125,7 @@ void form_unary_cost(const cv::Rect& box, MaskState* s) {
   constexpr float kOutlineShare = 0.3F;
   // At a landmark. Chosen (decision 0007): under the outline's, as some landmarks are wrong.
   constexpr float kMapShare = 0.25F;
-  // Distance at which a landmark counts nothing, in the body's radius, and its least in px. Chosen:
+  // Distance at which a landmark has no effect, in the body's radius, and its least in px. Chosen:
   // larger draws the outline beyond the silhouette, smaller leaves gaps between landmarks.
   constexpr double kNearPart = 0.1;
   constexpr double kNearDistanceMin_px = 3.0;
@@ -157,9 +156,10 @@ void form_unary_cost(const cv::Rect& box, MaskState* s) {
   });
 }
 
-/// Where images are compared: around the target where it is known, and now and then everywhere.
+/// Region of the comparison: around the target where it is known, and now and then the whole image.
 cv::Rect region_of_interest(const MaskState& s) {
-  // Each so many images everywhere (decision 0013): rarer saves time and finds missing parts later.
+  // Images from one comparison of the whole image to the next (decision 0013): more saves time and
+  // finds missing parts later.
   constexpr std::size_t kEverywhereWithMap = 32;
   constexpr std::size_t kEverywhereBefore = 8;
   // Least margin before a map. Chosen: larger costs time, smaller misses parts of a small target.
@@ -233,7 +233,7 @@ void refill(MaskState* s) {
                 &s->points);
 }
 
-/// Fills `cells`: the mask's cells that are open by half.
+/// Fills `cells`: the mask's cells of which half is open.
 void to_mask_cells(const cv::Size& size, MaskState* s) {
   MaskScratch& scratch = s->scratch;
   scratch.added.create(s->points.whole().size(), CV_8UC1);
@@ -261,8 +261,8 @@ void open_lit_cells(MaskState* s, TargetMask* mask) {
   measure_cells(mask->region_px, mask);
 }
 
-/// Before a lit background: does the outline cover so much of the image's border that it has
-/// taken the background in?
+/// Before a lit background: does the outline cover so much of the image's border that it includes
+/// background?
 bool covers_border(const MaskState& s) {
   // Chosen: two fifths of a side. A body that enters the image covers less.
   constexpr double kShareMax = 0.1;
@@ -292,7 +292,7 @@ void follow_target(const cv::Mat& gray,
     return;
   }
   const bool explained = compare_images(gray, mask->levels, prior, s);
-  // Bounded; over kUnexplainedMax all counts do the same.
+  // Bounded, as all counts over kUnexplainedMax have the same effect.
   s->unexplained = explained ? 0 : std::min(s->unexplained + 1, 2 * kUnexplainedMax);
   find_piece(s);
   remember_background(explained, s);
@@ -313,8 +313,7 @@ bool may_be_background(const MaskState& s) {
   if (covers_border(s) || (s.behind && s.found && s.unexplained > 0)) {
     return true;
   }
-  // Fewer than a layer of a background needs are a boom's that crosses the border, or a
-  // background's that has nothing to follow.
+  // Least points at the border, as in a background's layer: fewer may be of a boom that crosses it.
   constexpr auto kAtBorderMin = static_cast<std::ptrdiff_t>(BackgroundMotion::kLayerTracksMin);
   const cv::Rect whole = s.points.whole();
   const cv::Rect inside(
@@ -355,7 +354,7 @@ void sharpen_outline(MaskState* s) {
     cut_at_edges(scratch.edges, cost, {.px = far_px}, &s->outline);
   }
   if (cv::boundingRect(s->outline).area() < kTargetAreaMin) {
-    // A small body whose edges are no steeper than those behind it: the empty outline is cheapest.
+    // A small body with no steeper edges than its background: the empty outline would be cheapest.
     cv::swap(s->outline, scratch.added);
     return;
   }
@@ -380,7 +379,7 @@ void open_outline(const cv::Size& image_px, MaskState* s, TargetMask* mask) {
 }
 
 void clear(MaskState* s) {
-  clear(&s->points);  // the next image is the first again, which clears what was compared
+  clear(&s->points);  // the next image is the first again, which clears the comparison
   s->behind = false;
   s->found = false;
   s->sharp = false;
@@ -392,7 +391,7 @@ bool rules_out(const MaskState& s, float u_px, float v_px) {
     return false;
   }
   const cv::Point at = working_pixel({u_px, v_px}, s);
-  constexpr int kSide = 2 * kOutlineOff_px + 1;  // that far on both sides of the pixel
+  constexpr int kSide = 2 * kOutlineOff_px + 1;  // the outline's error on both sides of the pixel
   const cv::Rect around =
       cv::Rect(at.x - kOutlineOff_px, at.y - kOutlineOff_px, kSide, kSide) & s.points.whole();
   return cv::countNonZero(s.outline(around)) == 0;

@@ -12,18 +12,18 @@
 namespace polhode {
 namespace {
 
-// Cells of the grid on which the target's motion is known. A multiple of every step of log-odds.
-// Chosen: about the points' spacing on a target of 100 px; larger blurs the motion of faces.
+// Size of a cell of the grid of the target's motion. A multiple of every step of log-odds. Chosen:
+// about the points' spacing on a target of 100 px; larger blurs the motion of faces.
 constexpr int kCell_px = 8;
 // Side of the window over which differences are summed. With 3, overlap rises by 0.01 and attitudes
 // before the Earth get 6 % worse (decision 0006).
 constexpr int kDifferenceWindow_px = 5;
-// A place that disagrees by more counts as this. Chosen: one pixel at the limit counts 8 / 25 in
-// its window, as much as kTargetLogOdds; larger lets single pixels decide.
+// Bound on a pixel's disagreement, in sigmas. Chosen: one pixel at the limit counts 8 / 25 in its
+// window, as much as kTargetLogOdds; larger lets single pixels decide.
 constexpr double kCapSigma = 8;
-// Levels; the most that keeps differences in a byte, see below.
+// Bound in levels: the largest for which differences fit a byte, see below.
 constexpr double kNoiseMost = 8;
-// Differences are stored in bytes with 0 in their middle.
+// Offset of the differences, which are stored in bytes.
 constexpr int kNoDifference = 128;
 static_assert(kCapSigma * kNoiseMost < kNoDifference);
 
@@ -77,7 +77,7 @@ double measure_noise(const cv::Mat& now,
   return std::clamp(static_cast<double>(level) * 1.4826 / std::sqrt(2.0), kNoiseLeast, kNoiseMost);
 }
 
-/// Spreads the motion of the target's points over `age` images to the grid's cells between and
+/// Interpolates the motion of the target's points over `age` images to the grid's cells between and
 /// around them.
 void spread_motion(const PointsState& points, std::size_t age, ForegroundState* s) {
   const cv::Size size = points.image(0).size();
@@ -99,9 +99,9 @@ void spread_motion(const PointsState& points, std::size_t age, ForegroundState* 
   // larger mixes the motions of faces.
   constexpr double kNear = 1.75;
   constexpr double kFar = 3.0 * kNear;
-  // The wider one is nine times lower: with this share a far point counts 0.01 of a near one.
+  // Weight of the wider one, which is nine times lower: a far point counts 0.01 of a near one.
   constexpr double kFarShare = 0.09;
-  constexpr float kWeightMin = 1E-9F;  // only so that nothing is divided by zero
+  constexpr float kWeightMin = 1E-9F;  // so that nothing is divided by zero
   cv::GaussianBlur(s->flow, s->flow_far, cv::Size(0, 0), kFar);
   cv::GaussianBlur(s->weight, s->weight_far, cv::Size(0, 0), kFar);
   cv::GaussianBlur(s->flow, s->flow, cv::Size(0, 0), kNear);
@@ -138,7 +138,8 @@ void find_bounds(const cv::Mat& before, ForegroundState* s) {
   });
 }
 
-/// How far each pixel of `now` lies outside of what was within a pixel of its origin, in levels.
+/// Distance of each pixel of `now` from the range of levels within a pixel of its origin, in
+/// levels.
 void measure_excess(const cv::Mat& now, double cap, ForegroundState* s) {
   look_up(s->bounds, s->origins, &s->warped);
   s->excess.create(now.size(), CV_8UC1);
@@ -163,7 +164,7 @@ void measure_excess(const cv::Mat& now, double cap, ForegroundState* s) {
   });
 }
 
-/// Sets the pixels that the layer's motion brings from inside the earlier image.
+/// Sets the pixels whose origin by the layer's motion lies inside the earlier image.
 void find_visible(const cv::Matx33d& layer,
                   const cv::Size& size,
                   const cv::Rect& region,
@@ -191,8 +192,8 @@ void find_visible(const cv::Matx33d& layer,
       *visible, corners_px.data(), static_cast<int>(corners_px.size()), cv::Scalar(255));
 }
 
-/// What contradicts all of the background's motions. What they bring from outside the earlier image
-/// is not known and contradicts nothing.
+/// Sets pixels that contradict all of the background's motions. Pixels with an origin outside of
+/// the earlier image are unknown and contradict nothing.
 void compare_with_background(const PointsState& points,
                              const BackgroundMotion& motion,
                              const cv::Rect& region,
@@ -226,8 +227,8 @@ void compare_with_target(const PointsState& points,
   measure_excess(points.image(0)(region), std::round(kCapSigma * s->noise), s);
 }
 
-/// How much more the background's motions are contradicted than the target's, summed over the
-/// window.
+/// Excess of the disagreement with the background's motions over that with the target's, summed
+/// over the window.
 void sum_over_window(ForegroundState* s) {
   s->difference.create(s->least.size(), CV_8UC1);
   const int columns = s->least.cols;
@@ -248,15 +249,15 @@ void sum_over_window(ForegroundState* s) {
                 false);
 }
 
-/// Moves positive log-odds along with the target and lets part of them stay. Adds this image's
-/// difference, in sigmas a pixel.
+/// Moves positive log-odds along with the target and decays them. Adds this image's difference, in
+/// sigmas a pixel.
 /// @param compared_age  age of the motion on the grid
 void carry_and_add(std::size_t compared_age, const cv::Rect& region, ForegroundState* s) {
-  // Part that stays: 1 / (1 - 0.55) = 2.2 images' worth. With 0.8 panels are filled before the
+  // Decay per image: 1 / (1 - 0.55) = 2.2 images' worth. With 0.8 panels are filled before the
   // Earth (overlap 0.85), and shadows stay in a room (0.86; decision 0006).
   constexpr float kMemory = 0.55F;
-  // The most that one image adds. Chosen: with this, three images without support bring a full sum
-  // of 4.4 to 0.7; larger makes single images decide.
+  // Bound on one image's contribution. Chosen: with it three images without support bring a full
+  // sum of 4.4 to 0.7; larger makes single images decide.
   constexpr float kAddedMost = 2.0F;
   constexpr int kPixels = kDifferenceWindow_px * kDifferenceWindow_px;
   const auto scale = static_cast<float>(1.0 / (kPixels * s->noise));
@@ -310,10 +311,10 @@ void update_log_odds(const PointsState& points,
                      const BackgroundState& background,
                      const cv::Rect& region,
                      ForegroundState* s) {
-  // Part that stays of an image without a comparison: half is left after three. Chosen; smaller
-  // loses the target when the background is not explained for a while.
+  // Decay for an image without a comparison: half is left after three. Chosen; smaller loses the
+  // target when the background is not explained for a while.
   constexpr double kUnsupported = 0.8;
-  // Starts at a cell of the motion's grid.
+  // A corner of a cell of the motion's grid.
   const cv::Point start(region.x / kCell_px * kCell_px, region.y / kCell_px * kCell_px);
   s->region = cv::Rect(start, region.br()) & points.whole();
   const bool explained = std::any_of(background.motions.begin(),

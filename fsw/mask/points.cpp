@@ -26,7 +26,7 @@ constexpr int kNearest_px = 5;
 // Motions are separated by 1 px and more. 0.02 px takes 0.3 ms more; 0.1 px saves nothing (decision
 // 0013).
 constexpr double kSettled_px = 0.05;
-// Of a point on a level; half as many save nothing (decision 0013).
+// Iterations for a point on a level; half as many save nothing (decision 0013).
 constexpr int kIterationsMax = 15;
 
 void clear_flow(PointsState* s) {
@@ -43,7 +43,7 @@ void add_to_flow(const cv::Point2f& from, const cv::Point2f& guess, PointsState*
   s->error.push_back(0.0F);
 }
 
-/// Optical flow of some of the points in `from`, with initial values in `to`.
+/// Optical flow of a range of the points in `from`, with initial values in `to`.
 void flow(const FlowPyramid& before,
           const FlowPyramid& after,
           const cv::Range& points,
@@ -101,7 +101,7 @@ void flow_with_prediction(int known, PointsState* s) {
 }
 
 bool inside(const cv::Point2f& p, const cv::Size& size) {
-  // The image border's gradients and corner scores are of repeated pixels.
+  // Border left out: gradients and corner scores there are of repeated pixels.
   constexpr float kBorder_px = 2.0F;
   return p.x > kBorder_px && p.y > kBorder_px &&
          p.x < static_cast<float>(size.width) - 1.0F - kBorder_px &&
@@ -125,14 +125,14 @@ bool is_near(const cv::Point2f& p, const PointsState& s) {
 /// Adds the best corner of each tile of a grid over part of the image, until there are `most`
 /// points.
 void add_corners(const cv::Rect& part, int columns, int rows, std::size_t most, PointsState* s) {
-  // A step of 20 levels at a corner has 5e-4; noise of 2 levels gives a tenth of that.
+  // Least score. A step of 20 levels at a corner has 5e-4; noise of 2 levels gives a tenth of that.
   constexpr double kScoreMin = 2E-4;
   if (part.width < columns || part.height < rows || s->tracks.size() >= most) {
     return;
   }
   constexpr int kBlock_px = 3;  // the least, for corners of small texture
   cv::cornerMinEigenVal(s->image(0)(part), s->corner_score, kBlock_px, kBlock_px);
-  // An order that is spread over the part, so that tiles left out when it is full are, too. A
+  // A step through the tiles, so that tiles left out when the table is full are spread evenly. A
   // prime, so that it meets each of the 60, 72 or 144 tiles once.
   constexpr int kStride = 37;
   const int tiles = rows * columns;
@@ -190,7 +190,7 @@ void follow_points(PointsState* s) {
     return;
   }
   clear_flow(s);
-  int known = 0;  // those that are new come last
+  int known = 0;  // new points come last
   for (const MaskTrack& track : s->tracks) {
     const bool is_predicted = s->predicted && track.count > 1;
     add_to_flow(track.now(), is_predicted ? track.now() + track.motion(1) : track.now(), s);
@@ -209,8 +209,8 @@ void follow_points(PointsState* s) {
 }
 
 void drop_stray_points(TrackClass kind, PointsState* s) {
-  // About half of what contradicts the background (1.5 px). Chosen; larger keeps mistracked points,
-  // smaller drops noisy ones.
+  // Largest error of tracking forth and back: about half of the distance that contradicts the
+  // background (1.5 px). Chosen; larger keeps mistracked points, smaller drops noisy ones.
   constexpr float kStray_px = 0.7F;
   clear_flow(s);
   for (const MaskTrack& track : s->tracks) {
