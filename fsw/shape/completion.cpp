@@ -9,18 +9,19 @@
 namespace polhode {
 namespace {
 
-// A larger gap than this is filled. Random points of one per squared pitch leave such a gap by
+// Radius of a hole that is filled. Random points of one per squared pitch leave such a hole by
 // chance in exp(-pi 1.2^2), 1 % of the places.
 constexpr double kHole_pitches = 1.2;
-// Points of adjoining faces pull a plane inwards near the edges, by about this part of its rms.
+// Bias of a plane, as a part of its rms: points of adjoining faces pull it inwards near the edges.
 // Chosen; larger widens the sigmas of all lengths.
 constexpr double kEdgePull = 0.2;
-// A plane this near to where the points end, in lengths of the body, is a face. Chosen; larger
-// takes steps and recesses for faces, smaller misses faces with points of attachments beyond them.
+// Largest distance of a face's plane from the end of the points, in lengths of the body. Chosen;
+// larger takes steps and recesses for faces, smaller misses faces with points of attachments beyond
+// them.
 constexpr double kFaceDepthMax = 0.1;
-// Points end up to a whole gap before the edge, half a gap in the mean.
+// Points end up to a whole spacing before the edge, half a spacing in the mean.
 constexpr double kEndSigma_spacings = 0.5;
-// A box thinner than two gaps is not resolved by its points.
+// A box thinner than two spacings is not resolved by its points.
 constexpr double kBoxMin_spacings = 2.0;
 
 struct Filler {
@@ -50,7 +51,7 @@ Filler start_filling(double pitch, Cloud& cloud) {
   return {.measured = PointTree(cloud.points_T.view()), .pitch = pitch, .cloud = cloud};
 }
 
-/// Cells of about `pitch` over a length, bounded by the table that they fill.
+/// Number of cells of about `pitch` over a length, bounded by the table that they fill.
 int cells(double length, double pitch) {
   return static_cast<int>(
       std::clamp(std::round(length / pitch), 1.0, static_cast<double>(limits::kCloudPoints)));
@@ -62,8 +63,8 @@ struct Face {
   bool found = false;
 };
 
-/// The box's face at one end of an axis: the plane with most points of those near that end. Without
-/// one, where the points end.
+/// The box's face at one end of an axis: the plane with most points among those near that end.
+/// Without one, the end of the points.
 Face find_face(const Planes& planes,
                const Eigen::Vector3d& axis_T,
                const Extent& extent,
@@ -195,7 +196,7 @@ std::size_t complete_cylinder(const Cylinder& cylinder, double pitch, Cloud& clo
   Filler filler = start_filling(pitch, cloud);
   const Eigen::Vector3d e1 = cylinder.axis_T.unitOrthogonal();
   const Eigen::Vector3d e2 = cylinder.axis_T.cross(e1);
-  /// Ring of evenly spaced points; false when the table is full.
+  /// Adds a ring of evenly spaced points; false when the table is full.
   const auto ring = [&](double radius, double height) {
     const int count = cells(2.0 * std::numbers::pi * radius, pitch);
     for (int i = 0; i < count; ++i) {

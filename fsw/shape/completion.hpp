@@ -15,9 +15,8 @@
 
 namespace polhode {
 
-// A box or a cylinder must explain this part of the points; dents and small attachments take the
-// rest. Chosen: lower makes a box out of panels, higher refuses bodies with
-// attachments.
+// Least part of the points that a box or a cylinder must explain; dents and small attachments are
+// the rest. Chosen: lower makes a box out of panels, higher refuses bodies with attachments.
 inline constexpr double kExplainedMin = 0.7;
 
 enum class CompletionKind : std::uint8_t { kNone = 0, kBox = 1, kCylinder = 2 };
@@ -43,13 +42,13 @@ Result<Box> find_box(const Cloud& cloud, const Planes& planes, double spacing, d
 /// @return number of ends found, 0 .. 2.
 int snap_ends(const Planes& planes, Cylinder& cylinder);
 
-/// Adds points on the box's faces where the cloud has none near. Ends where the table is full.
+/// Adds points on the box's faces where the cloud has none near. Stops where the table is full.
 /// @param pitch  distance of added points from each other: 1 / sqrt(points per area) of the
 /// measured faces.
 /// @return number added.
 std::size_t complete_box(const Box& box, double pitch, Cloud& cloud);
 
-/// As above, the round surface, and both ends where one of them was found.
+/// As above for the cylinder: its round surface, and both ends where one of them was found.
 std::size_t complete_cylinder(const Cylinder& cylinder, double pitch, Cloud& cloud);
 
 /// Part of the measured points within `tolerance` of the cylinder's round surface or ends.

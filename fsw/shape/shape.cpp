@@ -9,9 +9,8 @@
 namespace polhode {
 namespace {
 
-// A point belongs to a surface within half a spacing: where the cloud resolves the surface, heights
-// of neighbours differ by less. Or within 2.5 sigma of the noise, which holds 98.8 % of a normal
-// one.
+// Band of a surface's points. Half a spacing: where the cloud resolves the surface, heights of
+// neighbours differ by less. Or 2.5 sigma of the noise, which covers 98.8 % of a normal one.
 constexpr double kBand_spacings = 0.5;
 constexpr double kBand_thicknesses = 2.5;
 // A box or a cylinder explains points a little farther off: edges are round, faces not quite
@@ -30,8 +29,8 @@ constexpr double kCylinderOverPlanes = 0.9;
 // have. On rendered bodies lengths between surfaces are off by 1 to 2 % at a noise of 3 %
 // (decision 0054).
 constexpr double kBent_thicknesses = 0.5;
-// Random points have a pitch (one point per pitch^2) of two spacings. Holes in a surface that was
-// found at all widen it by a factor of two at most.
+// Random points have a pitch (one point per pitch^2) of two spacings. Holes in a found surface
+// widen it by a factor of two at most.
 constexpr double kPitchMax_spacings = 4.0;
 
 void reset_owners(std::size_t count, PlaneOwners& owners) {
@@ -57,8 +56,8 @@ PlaneSearch plane_search(const ShapeOptions& options,
       .seed = seed};
 }
 
-/// Points on the planes along the axis, which a cylinder would replace, less the points beside
-/// each. So a slab cut out of a thick cloud is worth little.
+/// Points on the planes along the axis, which a cylinder would replace, less those beside each: a
+/// slab cut out of a thick cloud counts little.
 double worth_of_faces(const Planes& planes, const Cylinder& cylinder) {
   double sum = 0.0;
   for (const Plane& plane : planes) {
@@ -74,7 +73,7 @@ double worth_of(const Cylinder& cylinder) {
 }
 
 /// A cylinder where it explains the cloud better than planes and an ellipsoid do. Planes are then
-/// sought among the other points.
+/// searched for among the other points.
 void find_surfaces(const ShapeOptions& options, std::uint64_t seed, Shape& shape, ShapeWork& work) {
   const std::span<const Eigen::Vector3d> points_T = work.cloud.points_T.view();
   shape.thickness =
@@ -111,7 +110,7 @@ void find_surfaces(const ShapeOptions& options, std::uint64_t seed, Shape& shape
   shape.cylinder->ends_found = snap_ends(shape.planes, *shape.cylinder);
 }
 
-/// Distance of evenly spread points on the best measured surface.
+/// Pitch of evenly spread points on the best measured surface.
 double pitch_of(const Shape& shape) {
   double area = 0.0;
   std::size_t points = 0;
@@ -134,7 +133,8 @@ Extent extent_along(const ShapeWork& work, const Eigen::Vector3d& direction_T) {
   return robust_extent(along.view());
 }
 
-/// Whether points lie beyond the cylinder's ends; `extent` is theirs along its axis.
+/// Whether points lie beyond the cylinder's ends.
+/// @param extent  of the points along its axis.
 bool reaches_beyond(const Extent& extent, const Shape& shape) {
   return extent.most - extent.least > shape.cylinder->length + 2.0 * tolerance_of(shape);
 }
@@ -145,8 +145,8 @@ void complete(Shape& shape, ShapeWork& work) {
       shape.completion = CompletionKind::kCylinder;
       shape.completion_points = complete_cylinder(*shape.cylinder, pitch_of(shape), work.cloud);
       shape.centroid_T = shape.cylinder->centre_T;
-      // Where a nozzle or an adapter reaches beyond the cylinder, the points give the middle of the
-      // whole body along the axis.
+      // Middle along the axis: that of the points, where a nozzle or an adapter extends beyond the
+      // cylinder.
       const Extent extent = extent_along(work, shape.cylinder->axis_T);
       if (reaches_beyond(extent, shape)) {
         const double at = shape.cylinder->axis_T.dot(shape.centroid_T);
@@ -160,7 +160,7 @@ void complete(Shape& shape, ShapeWork& work) {
     shape.box = box.value();
     shape.completion = CompletionKind::kBox;
     shape.completion_points = complete_box(*shape.box, pitch_of(shape), work.cloud);
-    // The mean of evenly spread points, without the noise of their density.
+    // The mean of evenly spread points, so that their density has no effect.
     shape.centroid_T = shape.box->centre_T;
   }
 }
@@ -197,7 +197,7 @@ void measure_points(const ShapeWork& work, Shape& shape) {
 void measure_box(Shape& shape) {
   const double bent = kBent_thicknesses * shape.thickness;
   for (Eigen::Index k = 0; k < 3; ++k) {
-    Eigen::Index same = 0;  // the box's axis that is B's axis k, whatever its name and sign
+    Eigen::Index same = 0;  // the box's axis along B's axis k, in either direction
     (shape.box->R_TB.transpose() * shape.frame.R_TB.col(k)).cwiseAbs().maxCoeff(&same);
     shape.dimensions(k) = shape.box->dimensions(same);
     shape.sigma_dimensions(k) = std::hypot(shape.box->sigma_dimensions(same), bent);
@@ -215,7 +215,7 @@ void measure_cylinder(Shape& shape) {
     const auto at = static_cast<std::size_t>(k);
     if (k == along) {
       if (shape.dimensions(k) > shape.cylinder->length + 2.0 * tolerance_of(shape)) {
-        continue;  // points reach beyond the cylinder
+        continue;  // points lie beyond the cylinder
       }
       shape.dimensions(k) = shape.cylinder->length;
       shape.dimension_basis[at] =
@@ -228,7 +228,7 @@ void measure_cylinder(Shape& shape) {
   }
 }
 
-/// Lengths along B: of the box or cylinder where there is one, else of the measured points.
+/// Lengths along B: of the box or the cylinder where there is one, else of the measured points.
 void measure(const ShapeWork& work, Shape& shape) {
   measure_points(work, shape);
   if (shape.completion == CompletionKind::kBox) {

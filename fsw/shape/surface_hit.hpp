@@ -1,4 +1,4 @@
-// Where a ray meets the target, by the landmarks about it.
+// Intersection of a ray with the target's surface, by the landmarks about it.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,10 +9,10 @@
 
 namespace polhode {
 
-/// Where a ray of the named frame meets the target.
+/// Intersection of a ray of the named frame with the target.
 struct SurfaceHit {
   double depth_mu = 0.0;  ///< z in C
-  /// 1-sigma along the ray: of the surface taken, of which surface it is, and of the map's bend.
+  /// 1-sigma along the ray: of the surface, of the choice of the surface, and of the map's bend.
   double sigma_mu = 0.0;
   Eigen::Vector3d p_C = Eigen::Vector3d::Zero();
 };
@@ -22,7 +22,7 @@ struct SurfaceHit {
 struct ScaleView {
   Pose pose;
   std::span<const Eigen::Vector3d> landmarks_T;
-  /// 1-sigma of each landmark along its ray, by the image points that placed it; empty: taken as 0.
+  /// 1-sigma of each landmark along its ray, by its observations; empty: taken as 0.
   std::span<const double> sigmas_mu{};
   /// 1-sigma of the scale of all differences in depth, relative: rotation and depth of a young map
   /// trade off (bas-relief ambiguity).

@@ -86,7 +86,7 @@ bool is_valid(const ShapeState& shape) {
 }
 
 bool is_valid(const ScaleState& scale) {
-  constexpr double kMetresMin = 1e-12;  // its reciprocal is as bounded as it is
+  constexpr double kMetresMin = 1e-12;  // its reciprocal has the same bound as the scale
   return is_bool(scale.known) && is_at_least(scale.metres_per_mu, kMetresMin) &&
          is_at_least(scale.relative_sigma, 0.0) &&
          scale.readings.size() <= scale.readings.capacity() &&

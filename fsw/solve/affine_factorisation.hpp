@@ -1,4 +1,4 @@
-// Shape and motion of a small distant body from tracks that every frame sees (weak perspective).
+// Shape and motion of a small distant body from tracks observed in every frame (weak perspective).
 #pragma once
 
 #include <Eigen/Core>
@@ -40,8 +40,9 @@ AffineSubspace find_affine_subspace(const ImageMatrix& images,
                                     double sigma_normalised,
                                     std::uint64_t seed);
 
-/// Rotations and scales for which the subspace is that of a rigid body, by the linear equations for
-/// Q = A A^T in |m1| = |m2|, m1.m2 = 0, regularised towards a body that is as deep as wide.
+/// Upgrade from affine to metric: rotations and scales for which the subspace is that of a rigid
+/// body, by the linear equations for Q = A A^T in |m1| = |m2|, m1.m2 = 0, regularised towards a
+/// body as deep as wide.
 /// @param isotropy  weight of that regularisation per frame: 0 none; 0.01 weak; 0.3 strong.
 /// @return false when Q has no positive part in two of its directions.
 /// @source Poelman and Kanade, PAMI 1997 (scaled orthography).

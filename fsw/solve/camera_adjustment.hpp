@@ -17,10 +17,10 @@ enum class Deviation : std::uint8_t {
   kAspect,      ///< log of true over stated fv / fu
   kPrincipalU,  ///< true minus stated principal point to the right, as a part of the focal length,
   kPrincipalV,  ///< and down
-  kReadout,     ///< time that reading all rows takes [s]; from below: negative
-  kHalf,        ///< by how much the upper half of an image is older than the lower [s]
+  kReadout,     ///< time to read all rows [s]; negative: from the last row up
+  kHalf,        ///< age of the upper half of an image less that of the lower [s]
 };
-// As many as there are names above.
+// Number of the names above.
 inline constexpr std::size_t kDeviations = 7;
 using Deviations = Eigen::Matrix<double, kDeviations, 1>;
 using DeviationInformation = Eigen::Matrix<double, kDeviations, kDeviations>;
@@ -31,7 +31,7 @@ struct PoseMotion {
   double phase = 0.0;  ///< -0.5 at the first pose's time, 0.5 at the last one's
 };
 
-/// How fast images move, root mean square over the poses.
+/// Speed of the images, root mean square over the poses.
 struct ImageRates {
   double turn_rad_s = 0.0;  ///< of attitudes, in the camera's axes
   double shift_s = 0.0;  ///< of T's origin across the line of sight, as a part of the range [1/s]
@@ -40,8 +40,8 @@ struct ImageRates {
 struct CameraProblem {
   BundleProblem bundle;
   std::span<const PoseMotion> motions;  ///< of each pose
-  double middle_normalised = 0.0;       ///< of the rows,
-  double height_normalised = 1.0;       ///< and of all of them, over the focal length
+  double middle_normalised = 0.0;       ///< middle of the rows,
+  double height_normalised = 1.0;       ///< and height of all rows, over the focal length
   double interval_s = 1.0;              ///< shortest between two poses
 };
 
@@ -51,7 +51,7 @@ struct CameraFit {
   /// Of the deviations, poses and points free, with the prior of cameras. Residuals along a track
   /// are correlated, so each counts less (decision 0085).
   DeviationInformation information = DeviationInformation::Zero();
-  double gain = 0.0;  ///< by how much chi-square falls, each residual counted so
+  double gain = 0.0;  ///< fall of chi-square, with residuals weighted likewise
   ImageRates rates;
   double cost_as_given = 0.0;    ///< half the robust sum of squares with the camera as stated,
   double cost_as_found = 0.0;    ///< and with the values, both after an adjustment

@@ -11,13 +11,14 @@ namespace {
 
 using Members = std::array<std::uint8_t, kDeviations>;
 
-/// Deviations that are one statement.
+/// Deviations that are tested together.
 struct Kind {
   Deviation first;
   std::size_t count = 1;
-  double least = 0.0;  ///< off by less nothing is contradicted
+  double least = 0.0;  ///< a smaller deviation does not contradict
 };
-// Measured: right ones are off by up to 1.9 % where the sigma is under 2 % (decision 0083).
+// Least focal deviation: with right cameras it is up to 1.9 % where the sigma is under 2 %
+// (decision 0083).
 constexpr double kFocalLeast = 0.08;
 constexpr std::array<Kind, 6> kKinds = {{{Deviation::kFocal, 1, kFocalLeast},
                                          {Deviation::kZoom, 1, kFocalLeast},
@@ -26,7 +27,8 @@ constexpr std::array<Kind, 6> kKinds = {{{Deviation::kFocal, 1, kFocalLeast},
                                          {Deviation::kReadout},
                                          {Deviation::kHalf}}};
 
-/// Chi-square of as many freedoms that a right camera exceeds in one test of 16,000: four sigma.
+/// Chi-square, by degrees of freedom, that a right camera exceeds in one test of 16,000: four
+/// sigma.
 constexpr std::array<double, 3> kChi2Max = {0.0, 16.0, 19.3};
 
 Members with(Members members, const Kind& kind, std::uint8_t free = 1) {
@@ -34,11 +36,11 @@ Members with(Members members, const Kind& kind, std::uint8_t free = 1) {
   return members;
 }
 
-/// The least squares of the fit's quadratic form where only the members are free.
+/// Minimum of the fit's quadratic form where only the members are free.
 struct Explained {
   Deviations value = Deviations::Zero();
   Deviations sigma = Deviations::Zero();
-  double chi2 = 0.0;  ///< by which it falls
+  double chi2 = 0.0;  ///< fall of chi-square
 };
 
 Explained explained_by(const Members& members, const CameraFit& fit) {
@@ -78,7 +80,7 @@ Members backward_elimination(const CameraFit& fit) {
   while (true) {
     const double now = explained_by(members, fit).chi2;
     const Kind* least = nullptr;
-    double least_part = 1.0;  // of what is more than chance
+    double least_part = 1.0;  // ratio of a kind's gain to the limit by chance
     for (const Kind& kind : kKinds) {
       if (has(members, kind)) {
         const double loss = now - explained_by(with(members, kind, 0), fit).chi2;
@@ -195,7 +197,7 @@ CameraError error_by(const CameraFinding& found, double size) {
   const double aspect = part_of(found, Deviation::kAspect);
   const double point =
       std::hypot(part_of(found, Deviation::kPrincipalU), part_of(found, Deviation::kPrincipalV));
-  // A body is in the middle of the rows or anywhere: half of the time either way.
+  // Rows are off by at most half of the time, before or after the middle row.
   const double late_s =
       0.5 * (part_of(found, Deviation::kReadout) + part_of(found, Deviation::kHalf));
   return {.attitude_rad = focal * size + aspect + point + late_s * found.rates.turn_rad_s,

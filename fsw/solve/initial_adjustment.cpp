@@ -16,20 +16,21 @@ namespace {
 
 using Workspace = InitialAdjustmentWorkspace;
 
-// Levenberg-Marquardt's damping, by factors of 10 (Marquardt 1963): where it begins matters little.
+// Levenberg-Marquardt's damping, by factors of 10 (Marquardt 1963): the first value matters little.
 // Above kDampingMax steps are too small to matter; under kDampingMin it has no effect.
 constexpr double kDampingFirst = 1e-3;
 constexpr double kDampingMin = 1e-9;
 constexpr double kDampingMax = 1e8;
 constexpr double kDampingUp = 10.0;
 constexpr double kDampingDown = 0.1;
-// Part of the trace added to each diagonal element: an undetermined unknown stays finite. Far above
-// rounding, far below information.
+// Added to each diagonal element, as a part of the trace: an undetermined unknown stays finite. Far
+// above rounding, far below information.
 constexpr double kFloor = 1e-12;
-// Known points that a pose needs: three, and one that chooses among the solutions.
+// Least known points of a pose: three, and one that chooses among the solutions.
 constexpr int kPointsMin = 4;
 
-/// Adds one observation to the normal equations. That of a wrong track moves its own point only.
+/// Adds one observation to the normal equations. An observation of a wrong track moves only its own
+/// point.
 void add_observation(const TrackObservation& s,
                      bool wrong,
                      const InitialGeometryView& geometry,
@@ -68,9 +69,9 @@ void add_observation(const TrackObservation& s,
   w->camera_gradient.segment<6>(6 * s.frame).noalias() += weighted * residual;
 }
 
-/// As if they were known a thousand times better than translations are.
+/// Fixes attitudes, with a prior of a thousandth of the translations' sigma.
 void fix_rotations(std::size_t frames, Workspace* w) {
-  // In variance.
+  // ratio of variances
   constexpr double kKnown = 1e6;
   for (std::size_t f = 0; f < frames; ++f) {
     auto& U = w->camera_blocks[f];
@@ -121,7 +122,7 @@ Eigen::Matrix3d point_inverse(const Eigen::Matrix3d& V, double damping) {
   return damped.inverse();
 }
 
-/// Reduced camera system S (lower triangle), and its right side in camera_step.
+/// Computes the reduced camera system S (lower triangle), with its right-hand side in camera_step.
 void eliminate_points(std::span<const TrackObservation> observations,
                       double damping,
                       Workspace* w) {
@@ -218,14 +219,14 @@ bool try_step(std::span<const TrackObservation> observations,
   return true;
 }
 
-/// Unknowns: phi and the change of uvs, from the start.
+/// Equations of a single pose. Unknowns: phi and the change of uvs, from the initial pose.
 using PoseEquations = SmallEquations<6>;
 
 InverseDepthPose moved(const InverseDepthPose& start, const PoseEquations::Vector& by) {
   return {.R_CT = so3_exp(by.head<3>()) * start.R_CT, .uvs = start.uvs + by.tail<3>()};
 }
 
-/// With the Cauchy loss, not the options'.
+/// With the Cauchy loss, whatever the options.
 PoseEquations linearise_pose(std::span<const TrackObservation> observations,
                              const InitialGeometryView& geometry,
                              const InitialAdjustmentOptions& options,

@@ -1,4 +1,4 @@
-// Joint adjustment of an initialisation: all poses and points free, translations by inverse depth.
+// Bundle adjustment of an initialisation: all poses and points free, translations by inverse depth.
 #pragma once
 
 #include <Eigen/Core>
@@ -48,13 +48,14 @@ bool initial_point_covariances(std::span<const TrackObservation> observations,
                                std::span<Eigen::Matrix3d> covariances,
                                InitialAdjustmentWorkspace* workspace);
 
-/// Same images, other gauge: T's axes parallel to the first known camera's, its origin in the
-/// median of the points, RMS extent 1 without the points beyond three median extents.
+/// Changes the gauge, not the images: T's axes parallel to the first known camera's, its origin in
+/// the median of the points, RMS extent 1 without the points beyond three median extents.
 /// @return false, with nothing changed, when the origin would lie behind a camera or under four
 /// points are known.
 bool normalise_gauge(const InitialGeometryView& geometry);
 
-/// The depth-reversed solution (Necker ambiguity): same images to first order in extent / range.
+/// Replaces the geometry by its depth-reversed solution (Necker ambiguity): same images to first
+/// order in extent / range.
 void apply_depth_reversal(const InitialGeometryView& geometry);
 
 }  // namespace polhode

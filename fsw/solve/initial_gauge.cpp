@@ -1,4 +1,4 @@
-// The seven gauge freedoms of an initialisation: fixing them, and the covariance once they are
+// The seven gauge freedoms of an initialisation: fixes them, and gives the covariance with them
 // fixed.
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
@@ -19,8 +19,8 @@ using Matrix37 = Eigen::Matrix<double, 3, 7>;
 using Matrix67 = Eigen::Matrix<double, 6, 7>;
 using Matrix7 = Eigen::Matrix<double, 7, 7>;
 using GaugeByCameras = Eigen::Matrix<double, Eigen::Dynamic, 7, 0, Workspace::kCameraParameters, 7>;
-// Points farther from the centre than this many median extents count as wrong. Chosen: larger lets
-// wrong points set the extent, smaller cuts booms off.
+// Points farther from the centre than this many median extents are wrong. Chosen: larger lets wrong
+// points set the extent, smaller cuts booms off.
 constexpr double kExtentsMax = 3.0;
 // Fewest known points. Chosen.
 constexpr int kPointsMin = 4;
@@ -64,14 +64,14 @@ int count_known(std::span<const std::uint8_t> known) {
       std::count_if(known.begin(), known.end(), [](std::uint8_t k) { return k != 0; }));
 }
 
-/// How a point moves with the gauge: rotation of T (3), shift of T (3), scale (1).
+/// Derivatives of a point by the gauge: rotation of T (3), shift of T (3), scale (1).
 Matrix37 point_gauge(const Eigen::Vector3d& p_T) {
   Matrix37 G;
   G << -hat(p_T), Eigen::Matrix3d::Identity(), p_T;
   return G;
 }
 
-/// How a pose (phi, uvs) moves with the gauge.
+/// Derivatives of a pose (phi, uvs) by the gauge.
 Matrix67 camera_gauge(const InverseDepthPose& pose) {
   const double s = pose.uvs.z();
   Eigen::Matrix3d by_position;  // d uvs / d p_CT
@@ -83,7 +83,7 @@ Matrix67 camera_gauge(const InverseDepthPose& pose) {
   return G;
 }
 
-/// The constraints that fix the gauge, by a point: rows are centroid (3) and extent (1). The
+/// Derivatives of the gauge constraints by a point: rows are centroid (3) and extent (1). The
 /// attitude is the camera's.
 Eigen::Matrix<double, 7, 3> point_constraint(const Eigen::Vector3d& p_T) {
   Eigen::Matrix<double, 7, 3> h = Eigen::Matrix<double, 7, 3>::Zero();
@@ -95,7 +95,7 @@ Eigen::Matrix<double, 7, 3> point_constraint(const Eigen::Vector3d& p_T) {
 struct GaugeFix {
   Eigen::MatrixXd camera_covariance;  ///< in an arbitrary gauge
   GaugeByCameras
-      by_cameras;  ///< transposed: how the constraints move with the cameras, points following
+      by_cameras;  ///< transposed derivatives of the constraints by the cameras, points following
   Matrix7 constraint_covariance;
   Matrix7 gauge_from_constraints;
 };
@@ -108,7 +108,7 @@ std::size_t first_posed(const InitialGeometryView& g) {
   return f;
 }
 
-/// Adds information about the gauge only, so that the reduced system has an inverse.
+/// Adds information in the gauge directions only, so that the reduced system is invertible.
 bool invert_cameras(const InitialGeometryView& g, Workspace* w, GaugeFix* fix) {
   const Eigen::Index size = w->reduced.rows();
   GaugeByCameras G = GaugeByCameras::Zero(size, 7);

@@ -1,4 +1,4 @@
-// Initialisation: images of tracks, the geometry that explains them, options and memory.
+// Types of the initial adjustment: observations of tracks, geometry, options and workspace.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,10 +13,10 @@
 
 namespace polhode {
 
-/// Takes no more room than its numbers: there are tens of thousands of them.
+/// Unaligned, to save memory: there are tens of thousands of them.
 using PackedVector2d = Eigen::Matrix<double, 2, 1, Eigen::DontAlign>;
 
-/// One image of one track. Lists of these are ordered by track, then by frame.
+/// One observation of one track. Lists of these are ordered by track, then by frame.
 struct TrackObservation {
   int frame = 0;
   int track = 0;
@@ -24,8 +24,8 @@ struct TrackObservation {
   double sigma_normalised = 1.0;
 };
 
-/// A motion and a shape that explain the images, in the caller's arrays. Unknown poses and points
-/// are left out. The seven gauge freedoms are fixed by `normalise_gauge`.
+/// Poses and points of a hypothesis, in the caller's arrays. Unknown ones are left out. The seven
+/// gauge freedoms are fixed by `normalise_gauge`.
 struct InitialGeometryView {
   std::span<InverseDepthPose> poses;  ///< by frame
   std::span<std::uint8_t> posed;

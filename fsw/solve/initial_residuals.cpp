@@ -19,7 +19,7 @@ double track_cost_max(std::size_t observations) {
   return free + kSigmas * std::sqrt(2.0 * free);
 }
 
-/// Poses and points, of a geometry or in place of its own.
+/// Poses and points of a geometry, or of a trial in its place.
 struct Candidate {
   std::span<const InverseDepthPose> poses;
   std::span<const Eigen::Vector3d> points_T;

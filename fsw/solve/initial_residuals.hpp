@@ -24,8 +24,8 @@ inline double initial_weight(double error2, const InitialAdjustmentOptions& opti
 
 /// Squared residual of a point behind the camera.
 inline double behind_error2(const InitialAdjustmentOptions& options) {
-  // A hundred widths: worse than any point that can still converge. Chosen; finite, so that costs
-  // stay comparable.
+  // In widths, a hundred: worse than any point that can still converge. Chosen; finite, so that
+  // costs stay comparable.
   constexpr double kBehindWidths2 = 1e4;
   return kBehindWidths2 * options.width_sigma * options.width_sigma;
 }
@@ -41,7 +41,7 @@ std::size_t track_end(std::span<const TrackObservation> observations, std::size_
 
 struct TrackCost {
   double cost = 0.0;
-  bool wrong = false;  ///< truncated loss only: the cost is the bound of a track
+  bool wrong = false;  ///< with the truncated loss only: the track's cost is at its bound
 };
 
 /// @param run  observations of one track.

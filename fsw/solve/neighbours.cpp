@@ -11,7 +11,7 @@ namespace {
 
 constexpr auto kColumns = static_cast<std::size_t>(kDescriptorBytes);
 
-/// Of constant length: vectorised.
+/// Squared distance; of constant length, so that it is vectorised.
 int distance2(const std::uint8_t* a, const std::uint8_t* b) {
   int sum = 0;
   for (std::size_t i = 0; i < kColumns; ++i) {

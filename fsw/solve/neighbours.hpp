@@ -1,4 +1,4 @@
-// Nearest descriptors, for relocalisation against everything in the map.
+// Nearest descriptors, for relocalisation against the entire map.
 #pragma once
 
 #include <cstdint>

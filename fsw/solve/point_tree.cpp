@@ -91,7 +91,7 @@ class Nearest : public Finds {
   std::array<double, kNearestMax + 1> nearest_{};
 };
 
-/// @param tree  of these points; there is none of no points.
+/// @param tree  of these points; none where there are no points.
 void search(std::span<const Eigen::Vector3d> points,
             const std::byte* tree,
             const Eigen::Vector3d& place,

@@ -1,4 +1,4 @@
-// Points re-solved for poses that are given.
+// Re-solves points for given poses.
 #pragma once
 
 #include <Eigen/Core>
@@ -26,7 +26,7 @@ class PointObservations {
   std::vector<BundleObservation> sorted_;
 };
 
-/// Of one observation, in sigma.
+/// Residual and derivatives of one observation, in sigma.
 struct LinearisedObservation {
   Eigen::Vector2d residual;
   Eigen::Matrix<double, 2, 6> by_pose;  ///< (phi, uvs)
