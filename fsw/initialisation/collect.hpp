@@ -19,7 +19,7 @@ struct InitialisationState {
   int since_asked = 0;       ///< frames kept since the last problem
 };
 
-/// As before the first frame.
+/// Resets the state to that before the first frame.
 void clear(InitialisationState* state);
 
 /// Whether indices and sizes are within their tables, as long as no bit has flipped in memory.
@@ -42,7 +42,7 @@ struct Collected {
 /// Keeps a frame that adds parallax or rotation to the last one kept; drops older frames that share
 /// no tracks with it.
 /// @param ratio_max  of descriptors' distances, best to second best.
-/// @param resting  takes the places of what stays in the image while the body turns.
+/// @param resting  receives the places of features that stay in the image while the body rotates.
 Collected collect_frame(const CollectibleFrame& frame,
                         const CameraModel& camera,
                         double ratio_max,

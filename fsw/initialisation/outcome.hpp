@@ -92,7 +92,7 @@ struct SelectionSet {
   static constexpr std::size_t kInitialObservations =
       kSelectionObservations + kExtensionTracks * limits::kInitialFrames;
   FixedVector<InitialCore, 2>
-      cores;  ///< a long run of frames, and one with many tracks where it differs
+      cores;  ///< a long run of frames; and one with many tracks, if that is another
   FixedVector<int, limits::kSelectionTracks> tracks;  ///< indices into InitialProblem::tracks
   FixedVector<TrackObservation, kInitialObservations> observations;
   std::size_t extension_observations = 0;  ///< the first of them, of the extension's tracks

@@ -67,7 +67,7 @@ inline constexpr int kInliersWithPrior = 6;
 /// match_mutual, as of two blobs so close either may be the landmark's.
 inline constexpr float kSamePlace_px = 2.0F;
 
-/// Landmarks that take part.
+/// Age of the landmarks that are matched.
 enum class LandmarkAge : std::uint8_t {
   kAny,
   kOld,  ///< seen by none of the newest kRecentKeyframes keyframes: of a revisited aspect

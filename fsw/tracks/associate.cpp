@@ -29,7 +29,7 @@ struct Field {
   };
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();  ///< of the matched features
   double extent_px = 0.0;                            ///< their RMS distance from it
-  /// Of (place - middle, 1) to the motion.
+  /// Maps (place - middle, 1) to the affine part of the motion.
   Eigen::Matrix<double, 2, 3> affine = Eigen::Matrix<double, 2, 3>::Zero();
   FixedVector<Point, limits::kFeatures> points;
   double tolerance_px = 0.0;  ///< a match that differs by more from its neighbours is wrong

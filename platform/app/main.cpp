@@ -89,15 +89,15 @@ void add_replay(CLI::App& app, ReplayArguments& arguments) {
   command
       ->add_option("--depth-bits",
                    arguments.pixels.depth_bits,
-                   "of levels that 16-bit pictures hold unshifted: 8, 10, 12, 14 or 16; else by "
+                   "of unshifted levels in 16-bit images: 8, 10, 12, 14 or 16; else by "
                    "sBIT, maxval or the levels themselves")
       ->type_name("BITS")
       ->check(CLI::IsMember({8, 10, 12, 14, 16}));
   command
       ->add_option("--mosaic",
                    arguments.pixels.mosaic,
-                   "of a colour sensor, in gray pictures: level (each pixel becomes the mean "
-                   "around it) or keep; else levelled where all pictures show one")
+                   "of a colour sensor, in gray images: level (each pixel becomes the mean "
+                   "around it) or keep; else levelled where all images show one")
       ->type_name("level|keep")
       ->transform(CLI::CheckedTransformer(std::map<std::string, polhode::platform::MosaicChoice>{
                                               {"level", polhode::platform::MosaicChoice::kLevel},
@@ -110,7 +110,7 @@ void add_replay(CLI::App& app, ReplayArguments& arguments) {
   command
       ->add_option("--job-latency-ms",
                    arguments.job_latency_ms,
-                   "for tests: hold each job back by a random time up to this")
+                   "for tests: delay each job by a random time up to this")
       ->type_name("MS")
       ->check(CLI::Range(0, 60000));
   command
