@@ -13,7 +13,7 @@ namespace polhode {
 
 /// A row a view of a landmark.
 struct DescriptorTable {
-  std::vector<std::uint8_t> bytes;
+  std::vector<std::uint8_t> octets;
   std::vector<std::int32_t> landmark;  ///< slot
   std::vector<std::int32_t> view;      ///< of its views
 };
@@ -37,7 +37,7 @@ DescriptorTable views_of(const Map& map, std::size_t turn, const TakesPart& take
     }
     for (std::size_t v = 0; v < map.landmarks[i].views.size(); ++v) {
       const Descriptor& descriptor = map.landmarks[i].views[v].descriptor;
-      table.bytes.insert(table.bytes.end(), descriptor.begin(), descriptor.end());
+      table.octets.insert(table.octets.end(), descriptor.begin(), descriptor.end());
       table.landmark.push_back(static_cast<std::int32_t>(i));
       table.view.push_back(static_cast<std::int32_t>(v));
     }
@@ -53,7 +53,7 @@ inline std::vector<Neighbours> nearest_rows(const DescriptorTable& table,
     queries.insert(queries.end(), feature.descriptor.begin(), feature.descriptor.end());
   }
   std::vector<Neighbours> found(features.size());
-  nearest_descriptors(table.bytes, queries, found);
+  nearest_descriptors(table.octets, queries, found);
   return found;
 }
 

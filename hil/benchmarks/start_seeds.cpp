@@ -75,7 +75,7 @@ int main(int argc, char** argv) {
     const synthetic::InitialFamily family = synthetic::kInitialFamilies[k];
     for (int i = 0; i < seeds; ++i) {
       const std::uint64_t seed = first + static_cast<std::uint64_t>(i);
-      const synthetic::InitialScenario s = synthetic::make_start_scenario(family, seed);
+      const synthetic::InitialScenario s = synthetic::make_initial_scenario(family, seed);
       const std::vector<InitialTrack> tracks =
           synthetic::to_start_tracks(s.tracks, s.sigma_normalised);
       const std::clock_t begin = std::clock();

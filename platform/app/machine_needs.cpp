@@ -47,7 +47,7 @@ MachineNeeds transport_needs(const TransportOptions& options, const CameraParame
     if (kind == AddressKind::kUnix || kind == AddressKind::kUdp) {
       needs.general_bytes += DatagramSender::backlog_octets();
     } else if (kind == AddressKind::kShm) {
-      needs.rows.push_back({"ring of packets in shared memory", RingWriter::bytes()});
+      needs.rows.push_back({"ring of packets in shared memory", RingWriter::octets()});
     }
   }
   return needs;

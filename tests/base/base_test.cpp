@@ -49,7 +49,7 @@ TEST(Crc, EqualsTheBitwiseDefinitionAndVanishesOverItself) {
   }
 }
 
-TEST(FixedVector, HoldsWhatItsCapacityAllowsAndSaysWhenItIsFull) {
+TEST(FixedVector, HoldsWhatItsCapacityAllowsAndReportsWhenItIsFull) {
   FixedVector<int, 3> v;
   EXPECT_TRUE(v.empty());
   EXPECT_TRUE(v.push_back(1) && v.push_back(2) && v.push_back(3));

@@ -39,7 +39,7 @@ TEST(Crc32, EqualsTheBitwiseDefinition) {
   }
 }
 
-TEST(Crc32, ContinuesFromWhatComesBefore_WhereverTheOctetsAreSplit) {
+TEST(Crc32, ContinuesFromWhatComesBefore_WhereverTheBytesAreSplit) {
   const std::vector<std::uint8_t> whole = bytes_of("a checkpoint in several parts");
   for (std::size_t cut = 0; cut <= whole.size(); ++cut) {
     const std::span bytes(whole);

@@ -141,7 +141,7 @@ TEST(Describe, IsTheSame_WhateverTheTurnTheSizeAndTheLight) {
             4 * 4);
 }
 
-TEST(Describe, TellsPlacesApart_AndIsZeroWhereNothingIs) {
+TEST(Describe, SeparatesPlaces_AndIsZeroWhereNothingIs) {
   auto memory = draw(0.0, waves);
   const Descriptor here =
       compute_descriptor(plane_of(&memory), {.x = kMiddle, .y = kMiddle, .sigma_px = 2.0F});

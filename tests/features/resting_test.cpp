@@ -62,8 +62,8 @@ TEST(LeaveOutResting, LeavesAllWhereNothingRests) {
   EXPECT_EQ(features->size(), 3U);
 }
 
-/// Images until a place is forgotten, of which each `every`-th shows it; 0: none does.
-int images_until_forgotten(int every, int seen_before = 0) {
+/// Images until a place is dropped, of which each `every`-th shows it; 0: none does.
+int images_until_dropped(int every, int seen_before = 0) {
   RestingPlaces resting = one_place();
   int images = 0;
   for (; images < 1000 && !resting.places.empty(); ++images) {
@@ -74,11 +74,11 @@ int images_until_forgotten(int every, int seen_before = 0) {
   return images - seen_before;
 }
 
-TEST(LeaveOutResting, ForgetsAPlaceAtWhichMostImagesShowNothing) {
-  EXPECT_EQ(images_until_forgotten(0), 10);
-  EXPECT_EQ(images_until_forgotten(0, 100), 30) << "hidden for a while after a long time";
-  EXPECT_LT(images_until_forgotten(3), 60) << "the body's spots pass there";
-  EXPECT_EQ(images_until_forgotten(1), 1000) << "it stays while it is seen";
+TEST(LeaveOutResting, DropsAPlaceAtWhichMostImagesShowNothing) {
+  EXPECT_EQ(images_until_dropped(0), 10);
+  EXPECT_EQ(images_until_dropped(0, 100), 30) << "hidden for a while after a long time";
+  EXPECT_LT(images_until_dropped(3), 60) << "the body's spots pass there";
+  EXPECT_EQ(images_until_dropped(1), 1000) << "it stays while it is seen";
 }
 
 }  // namespace

@@ -37,7 +37,7 @@ TEST(ImportFrame, CopiesEveryPixel_WhenRowsAreLongerThanTheImage) {
   }
 }
 
-TEST(ImportFrame, KeepsTheUpperOctet_WhenPixelsHave16Bits_AtAnyAlignment) {
+TEST(ImportFrame, KeepsTheUpperByte_WhenPixelsHave16Bits_AtAnyAlignment) {
   const std::vector<std::uint16_t> values{0x0000, 0x00FF, 0x0100, 0x7F80, 0xFF00, 0xFFFF};
   constexpr int kWidth = 3;
   constexpr std::size_t kStride = 9;  // odd: the second row's pixels are not aligned

@@ -15,7 +15,7 @@ constexpr int kPoints = 60;
 const CameraModel kCamera{
     .width_px = 320, .height_px = 240, .fu_px = 500, .fv_px = 500, .cu_px = 159.5, .cv_px = 119.5};
 
-/// Points of a ball of radius 40 px whose near side is turned by an angle and shifted, each with a
+/// Points of a ball of radius 40 px whose near face is turned by an angle and shifted, each with a
 /// descriptor of its own.
 std::unique_ptr<Features> ball(double turn_rad, double shift_px = 0.0, int points = kPoints) {
   auto features = std::make_unique<Features>();
@@ -181,7 +181,7 @@ class PoseProblem : public ::testing::Test {
       frame.timestamp_ns = static_cast<std::int64_t>(at) * 1'000'000'000;
       frame.features.resize(1);
       frame.features[0].sigma_px = 0.5F;
-      // The frame's number: it tells which frame an observation is from.
+      // The frame's number: it shows which frame an observation is from.
       frame.features[0].normalised = {static_cast<double>(at), 0.0};
     }
   }

@@ -15,7 +15,7 @@ using benchmark::Decidability;
 using synthetic::compare_start;
 using synthetic::InitialFamily;
 using synthetic::InitialScenario;
-using synthetic::make_start_scenario;
+using synthetic::make_initial_scenario;
 using synthetic::to_start_tracks;
 
 InitialWorkspace& workspace() {

@@ -127,7 +127,7 @@ TEST(AdjustAllTracks, DropsATrackThatIsWrongInAllFrames) {
 }
 
 TEST(AdjustAllTracks, KeepsATrackOfWhichHalfAgreesWithItsPoint) {
-  // The winner knows the points of the selection, however wrong their images.
+  // The winner has the points of the selection, however wrong their images.
   Start start(3);
   start.win();
   const auto mostly_right = static_cast<std::size_t>(workspace().set.tracks[1]);
@@ -175,7 +175,7 @@ TEST(AdjustAllTracks, KeepsToTheAdjustmentsCapacity) {
   EXPECT_LE(valid, kFit + workspace().set.tracks.size());
 }
 
-TEST(AdjustAllTracks, OfAWinnerWithoutPosesSaysNothing) {
+TEST(AdjustAllTracks, OfAWinnerWithoutPosesGivesNothing) {
   Start start(7);
   start.win();
   workspace().refined[0].posed.fill(0);

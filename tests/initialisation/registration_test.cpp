@@ -50,7 +50,7 @@ TEST_F(RegisterPatch, FindsThePlaceUnderAnotherMotionAndLight) {
 
 TEST_F(RegisterPatch, ItsSigmaIsThatOfItsErrors) {
   double squares = 0.0;
-  double told = 0.0;
+  double reported = 0.0;
   constexpr int kTrials = 60;
   for (int trial = 0; trial < kTrials; ++trial) {
     const View view{.shift_px = {0.13 * trial, -0.07 * trial}, .gain = 0.7, .noise = 4.0};
@@ -58,12 +58,12 @@ TEST_F(RegisterPatch, ItsSigmaIsThatOfItsErrors) {
         look(view, {0.4, 0.3}, Eigen::Matrix2d::Identity(), static_cast<std::uint64_t>(trial) + 10);
     ASSERT_TRUE(found);
     squares += (found->place - view.place(kSpot)).squaredNorm() / 2.0;
-    told += found->sigma * found->sigma;
+    reported += found->sigma * found->sigma;
   }
-  // Blur takes some of white noise out of the residuals, and the worse direction is told: within a
-  // factor of two.
-  EXPECT_GT(std::sqrt(squares / told), 0.5);
-  EXPECT_LT(std::sqrt(squares / told), 2.0);
+  // Blur takes some of white noise out of the residuals, and the worse direction is reported:
+  // within a factor of two.
+  EXPECT_GT(std::sqrt(squares / reported), 0.5);
+  EXPECT_LT(std::sqrt(squares / reported), 2.0);
 }
 
 TEST_F(RegisterPatch, OfAnotherSurfaceDoesNotCorrelate) {

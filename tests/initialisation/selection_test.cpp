@@ -16,7 +16,7 @@ using synthetic::compare_start;
 using synthetic::InitialErrors;
 using synthetic::InitialFamily;
 using synthetic::InitialScenario;
-using synthetic::make_start_scenario;
+using synthetic::make_initial_scenario;
 using synthetic::to_start_tracks;
 
 InitialWorkspace& workspace() {
@@ -72,7 +72,7 @@ TEST(HypothesisSelection, RecoversExactGeometry_WithoutNoise) {
   }
 }
 
-TEST(HypothesisSelection, CommitsToTheRightTwin_WhenPerspectiveShows) {
+TEST(HypothesisSelection, CommitsToTheRightDepthSign_WhenPerspectiveShows) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     const InitialScenario s = turning_box({.alpha_deg = 8.0, .turn_deg = 35.0}, seed);
     const InitialOutcome out = run(s, seed);
@@ -127,16 +127,16 @@ TEST(HypothesisSelection, PointSigmasCoverTheErrors) {
       }
     }
   }
-  // Errors of one start share its depth scale, so eight starts scatter widely; sigmas wrong by half
+  // Errors of one start share its depth scale, so eight starts scatter a lot; sigmas wrong by half
   // would show.
   EXPECT_GT(sum / count, 0.4);
   EXPECT_LT(sum / count, 2.25);
 }
 
 TEST(HypothesisSelection, GivesTheSameBytes_ForTheSameInput) {
-  const InitialScenario s = make_start_scenario(InitialFamily::kTumbling, 9);
+  const InitialScenario s = make_initial_scenario(InitialFamily::kTumbling, 9);
   const InitialOutcome a = run(s, 9);
-  (void)run(make_start_scenario(InitialFamily::kFar, 1),
+  (void)run(make_initial_scenario(InitialFamily::kFar, 1),
             1);  // what the workspace held before does not matter
   const InitialOutcome b = run(s, 9);
   ASSERT_EQ(a.points.size(), b.points.size());
@@ -201,7 +201,7 @@ struct Tally {
 Tally tally(InitialFamily family, int seeds) {
   Tally t;
   for (std::uint64_t seed = 1; seed <= static_cast<std::uint64_t>(seeds); ++seed) {
-    const InitialScenario s = make_start_scenario(family, seed);
+    const InitialScenario s = make_initial_scenario(family, seed);
     const InitialOutcome out = run(s, seed);
     if (out.decision != InitialDecision::kCommit) {
       continue;
@@ -221,34 +221,34 @@ Tally tally(InitialFamily family, int seeds) {
 }
 
 // verifies: INI-02
-TEST(HypothesisSelection, NeverCommitsToTheWrongTwin_AtThreeDegrees) {
+TEST(HypothesisSelection, NeverCommitsToTheWrongDepthSign_AtThreeDegrees) {
   const Tally t = tally(InitialFamily::kFar, 100);
   EXPECT_GE(t.commits, 30);
 }
 
 // verifies: INI-02
-TEST(HypothesisSelection, NeverCommitsToTheWrongTwin_AtThreeDegreesWithOutliers) {
+TEST(HypothesisSelection, NeverCommitsToTheWrongDepthSign_AtThreeDegreesWithOutliers) {
   (void)tally(InitialFamily::kFarPartial, 40);
 }
 
-TEST(HypothesisSelection, StartsOnATumblingBody_WhosePointsComeAndGo) {
+TEST(HypothesisSelection, CommitsOnATumblingBody_WhosePointsComeAndGo) {
   const Tally t = tally(InitialFamily::kTumbling, 30);
   EXPECT_GE(t.commits, 20);
 }
 
 // verifies: INI-05
-TEST(HypothesisSelection, StartsOnADriftingBody_ThatDoesNotTurn) {
+TEST(HypothesisSelection, CommitsOnADriftingBody_ThatDoesNotTurn) {
   const Tally t = tally(InitialFamily::kTranslation, 20);
   EXPECT_GE(t.commits, 15);
 }
 
-TEST(HypothesisSelection, StartsOnAConcaveBody_ThoughConvexityIsWrong) {
+TEST(HypothesisSelection, CommitsOnAConcaveBody_ThoughConvexityIsWrong) {
   const Tally t = tally(InitialFamily::kDish, 20);
   EXPECT_GE(t.commits, 8);
 }
 
 // verifies: INI-04
-TEST(HypothesisSelection, StartsOnAFlatPanel) {
+TEST(HypothesisSelection, CommitsOnAFlatPanel) {
   const Tally t = tally(InitialFamily::kPanel, 20);
   EXPECT_GE(t.commits, 5);
 }
@@ -258,20 +258,20 @@ TEST(HypothesisSelection, WaitsWhenTheNoiseIsThreeTimesTheClaim_OrIsRight) {
 }
 
 // verifies: INI-03
-TEST(HypothesisSelection, NeverStarts_WhenNothingMoves) {
+TEST(HypothesisSelection, NeverCommits_WhenNothingMoves) {
   EXPECT_EQ(tally(InitialFamily::kStatic, 30).commits, 0);
 }
 
 // verifies: INI-03
-TEST(HypothesisSelection, NeverStarts_OnRandomTracks) {
+TEST(HypothesisSelection, NeverCommits_OnRandomTracks) {
   EXPECT_EQ(tally(InitialFamily::kRandom, 30).commits, 0);
 }
 
-TEST(HypothesisSelection, NeverStarts_OnTracksThatDriftApart) {
+TEST(HypothesisSelection, NeverCommits_OnTracksThatDriftApart) {
   EXPECT_EQ(tally(InitialFamily::kLumpy, 30).commits, 0);
 }
 
-TEST(ConvexityCue, TellsABallFromItsTwin) {
+TEST(ConvexityCue, TellsABallFromItsDepthReversal) {
   Rng rng(1, 1);
   InitialHypothesis h;
   h.frames = 1;

@@ -1,4 +1,4 @@
-// A body with alike faces, looked at anew without a motion that says which one it is.
+// A body with alike faces, looked at again without a motion that indicates which one it is.
 #include <gtest/gtest.h>
 
 #include <memory>

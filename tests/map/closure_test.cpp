@@ -14,7 +14,7 @@ using namespace synthetic;
 
 constexpr double kSeen_rad[] = {0.2, 0.32};  // where the side is seen again
 
-/// A side mapped by six keyframes, then long out of sight; it comes back in two keyframes whose
+/// A side mapped by six keyframes, then long out of sight; it returns in two keyframes whose
 /// poses, and the young landmarks made from them, are off by the drift of the turn.
 struct Return {
   std::vector<Spot> body = ball(400, 21);
@@ -48,7 +48,7 @@ struct Return {
     back.push_back(id);
   }
 
-  /// Every second spot that both images show became a landmark anew.
+  /// Every second spot that both images show became a landmark again.
   void make_young(const std::vector<Spot>& seen) {
     for (std::size_t i = 0; i < images[0].spot_of.size(); ++i) {
       const int spot = images[0].spot_of[i];
@@ -94,8 +94,8 @@ constexpr std::uint32_t kLong = kRecentKeyframes + 10;
 TEST(CloseLoop, TiesTheNewKeyframeToTheOldLandmarks_AndMergesTheYoung) {
   Return r(0.09, kLong, ball(400, 21));  // 5 deg of drift
   const int young = r.mapped.map->landmark_count;
-  const int tied = r.close();
-  EXPECT_GT(tied, 60);
+  const int associated = r.close();
+  EXPECT_GT(associated, 60);
   EXPECT_LT(r.mapped.map->landmark_count, young - 20) << "the young have become the old";
   EXPECT_EQ(broken_promise(*r.mapped.map), "");
   int right = 0;
@@ -138,7 +138,7 @@ TEST(CloseLoop, FindsNothing_OnABodyThatIsAnother) {
   EXPECT_EQ(r.mapped.map->landmark_count, before);
 }
 
-TEST(CloseLoop, FindsNothing_WhereTheSideWasSeenAMomentAgo) {
+TEST(CloseLoop, FindsNothing_WhereTheAspectWasSeenAMomentAgo) {
   Return r(0.0, 0, ball(400, 21));
   EXPECT_EQ(r.close(), 0);
 }

@@ -34,7 +34,7 @@ std::unique_ptr<LocalisedFrame> keyframe(int matches, int inliers) {
   return frame;
 }
 
-TEST(MapDrift, KnowsNothingOfItself_BeforeAStart) {
+TEST(MapDrift, IsEmptyOfItself_BeforeAStart) {
   EXPECT_EQ(covariance(MapDrift{}), PoseCovariance::Zero());
 }
 

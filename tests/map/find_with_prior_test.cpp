@@ -72,7 +72,7 @@ struct Bench : SeenFrame {
   }
 };
 
-TEST(FindWithPrior, HoldsAViewOfEightLandmarks_ThatIsTooLittleForAPoseOfItsOwn) {
+TEST(FindWithPrior, FindsAViewOfEightLandmarks_ThatIsTooLittleForAPoseOfItsOwn) {
   double squares = 0.0;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     Bench b(8, seed);
@@ -111,13 +111,13 @@ TEST(FindWithPrior, IsNotMisledByClutter) {
   }
 }
 
-TEST(FindWithPrior, HoldsNothing_WhereTooFewLandmarksAreLeft) {
+TEST(FindWithPrior, FindsNothing_WhereTooFewLandmarksAreLeft) {
   // Beyond six, one for every eight matches may be by chance.
   EXPECT_FALSE(Bench(5).hold(Bench(5).expected(0.0)));
   EXPECT_TRUE(Bench(7).hold(Bench(7).expected(0.0)));
 }
 
-TEST(FindWithPrior, HoldsNothing_WhereTheFeaturesAreAnotherBodys) {
+TEST(FindWithPrior, FindsNothing_WhereTheFeaturesAreAnotherBodys) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     Bench b(0, seed);
     Rng rng(seed, 132);
@@ -126,7 +126,7 @@ TEST(FindWithPrior, HoldsNothing_WhereTheFeaturesAreAnotherBodys) {
   }
 }
 
-TEST(FindWithPrior, HoldsNothingByAYoungMotion) {
+TEST(FindWithPrior, FindsNothingByAYoungMotion) {
   Bench b(8);
   ExpectedPose young = b.expected(0.0);
   ASSERT_TRUE(b.hold(young));
@@ -137,20 +137,20 @@ TEST(FindWithPrior, HoldsNothingByAYoungMotion) {
   EXPECT_FALSE(b.hold(young));
 }
 
-TEST(FindWithPrior, HoldsNothingByADoubtfulMotion) {
+TEST(FindWithPrior, FindsNothingByAnUncertainMotion) {
   Bench b(8);
-  ExpectedPose doubtful = b.expected(0.0);
-  doubtful.prediction.covariance(1, 1) = 0.06 * 0.06;
-  EXPECT_FALSE(b.hold(doubtful));
-  doubtful = b.expected(0.0);
-  doubtful.step_rad = 1.2;
-  EXPECT_FALSE(b.hold(doubtful)) << "a twentieth of so long a step";
-  doubtful = b.expected(0.0);
-  doubtful.prediction.covariance(0, 0) = std::nan("");
-  EXPECT_FALSE(b.hold(doubtful));
+  ExpectedPose uncertain = b.expected(0.0);
+  uncertain.prediction.covariance(1, 1) = 0.06 * 0.06;
+  EXPECT_FALSE(b.hold(uncertain));
+  uncertain = b.expected(0.0);
+  uncertain.step_rad = 1.2;
+  EXPECT_FALSE(b.hold(uncertain)) << "a twentieth of so long a step";
+  uncertain = b.expected(0.0);
+  uncertain.prediction.covariance(0, 0) = std::nan("");
+  EXPECT_FALSE(b.hold(uncertain));
 }
 
-TEST(FindWithPrior, HoldsNothing_WhereThePredictionIsOffByMoreThanItSays) {
+TEST(FindWithPrior, FindsNothing_WhereThePredictionIsOffByMoreThanItSays) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     Bench b(8, seed);
     EXPECT_FALSE(b.hold(b.expected(0.0, 0.15))) << "28 px: seed " << seed;
@@ -176,7 +176,7 @@ void displace_half(Bench* b) {
   }
 }
 
-TEST(FindAboutDeparted, IsBorneOutByHalfOfTheLastInliers) {
+TEST(FindAboutInconsistent, IsConfirmedByHalfOfTheLastInliers) {
   for (const auto& [inliers_last, found] : {std::pair(30, true), std::pair(90, false)}) {
     Bench b(30, 1, 0, 3);
     b.state->before.inliers = inliers_last;
@@ -189,7 +189,7 @@ TEST(FindAboutDeparted, IsBorneOutByHalfOfTheLastInliers) {
 // Off the motion by what a contact can do: twice a step.
 constexpr double kTouched_rad = 0.12;
 
-/// What tracking does where features give no pose that the motion bears out.
+/// What tracking does where features give no pose that the motion confirms.
 bool overruled(const ExpectedPose& e, Bench* b) {
   displace_half(b);
   EXPECT_FALSE(find_about(b->input(), e, b->state.get()));
@@ -265,7 +265,7 @@ TEST(Believable, IsWhatAContactCanDo_AndNoFaceThatLooksAlike) {
   EXPECT_TRUE(believed(kHalfTurn_rad, 4)) << "a young motion rules out nothing";
 }
 
-TEST(DoubtPose, MakesThePoseAsUncertainAsItDepartsFromTheMotion) {
+TEST(MarkInconsistent, MakesThePoseAsUncertainAsItDeviatesFromTheMotion) {
   const auto state = std::make_unique<MapState>();
   PosePrediction predicted;
   predicted.pose.p_CT = {0.0, 0.0, 8.0};

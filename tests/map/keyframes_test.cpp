@@ -11,7 +11,8 @@ namespace {
 
 using namespace synthetic;
 
-/// A frame whose features are those of an image, each match an inlier where `is_inlier` says so.
+/// A frame whose features are those of an image, each match an inlier where `is_inlier` indicates
+/// so.
 struct Frame {
   Picture image;
   std::unique_ptr<LocalisedFrame> localised = std::make_unique<LocalisedFrame>();
@@ -84,13 +85,13 @@ TEST(InsertKeyframe, StoresTheFrame_AndTiesItsInliersOnly) {
   EXPECT_EQ(keyframe.timestamp_ns, 123456789);
   EXPECT_EQ(keyframe.pose.p_CT, turned(0.5).p_CT);
   EXPECT_EQ(keyframe.features.size(), frame.image.features->size());
-  int tied = 0;
+  int associated = 0;
   for (const LandmarkMatch& m : frame.localised->matches) {
     const LandmarkId held = keyframe.landmark_of[static_cast<std::size_t>(m.feature)];
     EXPECT_EQ(held.valid(), m.inlier);
-    tied += held.valid() ? 1 : 0;
+    associated += held.valid() ? 1 : 0;
   }
-  EXPECT_GT(tied, 30);
+  EXPECT_GT(associated, 30);
   EXPECT_EQ(broken_promise(*s.map), "");
 }
 
@@ -135,7 +136,7 @@ TEST(InsertKeyframe, TakesNone_WhoseBodyLiesBehindTheCamera) {
   }
 }
 
-TEST(MostRedundant, IsNone_WhenEachKeyframeIsAloneOnItsSide) {
+TEST(MostRedundant, IsNone_WhenEachKeyframeIsAloneInItsAspect) {
   const auto body = ball(300, 35);
   const auto s = make_map(body, turn_by(0.6, 8), kNoise_px, 35);
   EXPECT_FALSE(most_redundant(*s.map).valid());
@@ -148,7 +149,7 @@ TEST(MostRedundant, IsNone_WhenEachKeyframeIsAloneOnItsSide) {
 }
 
 // verifies: MAP-06
-TEST(MostRedundant, NeverTakesTheOnlyViewOfASide) {
+TEST(MostRedundant, NeverTakesTheOnlyViewOfAnAspect) {
   // Ten views of one side, all within 20 deg, and one of another: the lonely one is the oldest.
   std::vector<Pose> poses{turned(1.5)};
   for (int k = 0; k < 10; ++k) {

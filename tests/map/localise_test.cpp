@@ -237,8 +237,8 @@ TEST(SolveMatched, MarksWrongMatches) {
 }
 
 /// Every second landmark was last seen long ago, and the map has turned under it since.
-struct OldSide : Bench {
-  explicit OldSide(double drift_rad) {
+struct OldFace : Bench {
+  explicit OldFace(double drift_rad) {
     Map& map = *mapped.map;
     map.next_keyframe_number += 50;
     const Eigen::Matrix3d drift = so3_exp(drift_rad * Eigen::Vector3d(0.3, 0.9, 0.3).normalized());
@@ -263,15 +263,15 @@ struct OldSide : Bench {
   }
 };
 
-TEST(OldSide, TakesPart_WhereItAgrees) {
-  const OldSide b(0.0);
+TEST(OldFace, TakesPart_WhereItAgrees) {
+  const OldFace b(0.0);
   EXPECT_GT(b.old_matches(), 30);
 }
 
 // 0.03 rad of drift is 5.6 px in the image's middle and less towards its axis: some landmarks
 // stay within the gate, most do not.
-TEST(OldSide, StaysOut_WhereItHasDrifted) {
-  const OldSide b(0.03);
+TEST(OldFace, StaysOut_WhereItHasDrifted) {
+  const OldFace b(0.03);
   EXPECT_EQ(b.old_matches(), 0);
   EXPECT_GT(b.out->matches.size(), 30U);
 }

@@ -46,8 +46,8 @@ TEST(Reanchoring, IsExact_WhenThePredictionIs) {
   ASSERT_TRUE(found.ok());
   const Reanchoring& reanchoring = found.value();
   EXPECT_LT(rotation_angle_rad(reanchoring.to_T.R_ba, truth().R_ba), 1e-9);
-  // The body's near side is thought half a radius from its centre and is 0.46: a few hundredths of
-  // the radius stay, whatever the turn tells.
+  // The body's near face is thought half a radius from its centre and is 0.46: a few hundredths of
+  // the radius stay, whatever the turn shows.
   EXPECT_LT((reanchoring.to_T.t_ba - truth().t_ba).norm(), 0.05 * kBody.radius_mu);
   EXPECT_NEAR(reanchoring.to_T.scale, truth().scale, 0.01 * truth().scale);
   EXPECT_LT(reanchoring.misfit_rad, 1e-9);
@@ -55,7 +55,7 @@ TEST(Reanchoring, IsExact_WhenThePredictionIs) {
   EXPECT_TRUE(reanchoring.agrees);
 }
 
-TEST(Reanchoring, KeepsTheOriginOnTheBody_WhenTheTurnTellsNothingOfItsDepth) {
+TEST(Reanchoring, KeepsTheOriginOnTheBody_WhenTheTurnGivesNothingOfItsDepth) {
   const auto all = frames(1e-4);
   const Result<Reanchoring> found = reanchor_map(all, kBody);
   ASSERT_TRUE(found.ok());

@@ -180,7 +180,7 @@ inline std::vector<Pose> turn_by(double step_rad, int count) {
 
 /// What holds of a map at any time. @return text of the first promise that is broken, or empty.
 inline std::string broken_promise(const Map& map) {
-  std::vector<int> ties(map.landmarks.size(), 0);
+  std::vector<int> associations(map.landmarks.size(), 0);
   std::vector<std::uint32_t> numbers;
   for (const Keyframe& keyframe : map.keyframes) {
     if (!keyframe.used) {
@@ -198,14 +198,14 @@ inline std::string broken_promise(const Map& map) {
       if (!map.landmarks[id.index()].used) {
         return "a tie to a landmark that is gone";
       }
-      ++ties[id.index()];
+      ++associations[id.index()];
     }
   }
   int landmarks = 0;
   for (std::size_t i = 0; i < map.landmarks.size(); ++i) {
     if (map.landmarks[i].used) {
       ++landmarks;
-      if (map.landmarks[i].observations != ties[i]) {
+      if (map.landmarks[i].observations != associations[i]) {
         return "a landmark's observations are not its ties";
       }
     }

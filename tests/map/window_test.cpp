@@ -123,8 +123,9 @@ TEST(SnapshotWindow, RefersOnlyToWhatItHolds) {
       ASSERT_LT(k, snapshot.keyframes.size());
       ASSERT_LT(p, snapshot.landmarks.size());
       EXPECT_GT(o.sigma_normalised, 0.0);
-      const auto& ties = s.map->keyframes[snapshot.keyframes[k].index()].landmark_of;
-      EXPECT_NE(std::find(ties.begin(), ties.end(), snapshot.landmarks[p]), ties.end());
+      const auto& associations = s.map->keyframes[snapshot.keyframes[k].index()].landmark_of;
+      EXPECT_NE(std::find(associations.begin(), associations.end(), snapshot.landmarks[p]),
+                associations.end());
     }
   }
 }

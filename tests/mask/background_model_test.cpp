@@ -58,7 +58,7 @@ TEST(BackgroundModel, KnowsWhatItSaw_WhereTheTargetStandsNow) {
   EXPECT_EQ(part_known(image(20, elsewhere), model, cv::Rect(11, 11, 18, 18)), 0.0);
 }
 
-TEST(BackgroundModel, KnowsNothing_AfterAFewImages) {
+TEST(BackgroundModel, IsEmpty_AfterAFewImages) {
   EXPECT_EQ(part_known(image(20), learned(3), kWhole), 0.0);
   EXPECT_EQ(part_known(image(20), {}, kWhole), 0.0);
 }
@@ -72,7 +72,7 @@ TEST(BackgroundModel, DoesNotLearnTheTarget_NorWhatTheOutlineMayLackOfIt) {
   EXPECT_EQ(part_known(image(40), model, about), 0.0);
 }
 
-TEST(BackgroundModel, ResetsAPlaceThatLooksDifferentForAsLong_AndLearnsItAnew) {
+TEST(BackgroundModel, ResetsAPlaceThatLooksDifferentForAsLong_AndLearnsItAgain) {
   BackgroundModel model = learned(40);
   const cv::Rect box(5, 5, 30, 30);  // something has been put down there
   const auto changed = [&](int frame) { return image(frame, box); };
@@ -87,7 +87,7 @@ TEST(BackgroundModel, ResetsAPlaceThatLooksDifferentForAsLong_AndLearnsItAnew) {
   EXPECT_GT(part_known(changed(200), model, cv::Rect(8, 8, 24, 24)), 0.99);
 }
 
-TEST(BackgroundModel, KnowsNothing_OnceCleared) {
+TEST(BackgroundModel, IsEmpty_OnceCleared) {
   BackgroundModel model = learned(20);
   clear(&model);
   EXPECT_EQ(part_known(image(20), model, kWhole), 0.0);

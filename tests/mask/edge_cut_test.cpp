@@ -62,7 +62,7 @@ cv::Mat unary_of(const cv::Mat& outline, int cell_px) {
 }
 
 // verifies: MSK-04
-TEST(CutAtEdges, ComesBackToTheEdge_FromAnOutlineThatIsTooWideOnOneSide) {
+TEST(CutAtEdges, ReturnsToTheEdge_FromAnOutlineThatIsTooWideOnOneSide) {
   // As behind a moving target: 4 px that it has uncovered.
   cv::Mat outline = body();
   outline(cv::Rect(kBody.x - 4, kBody.y, 4, kBody.height)).setTo(255);

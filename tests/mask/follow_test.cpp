@@ -142,7 +142,7 @@ TEST(FollowTarget, TakesEverythingLit_WhereNoMotionExplainsTheBackground) {
   EXPECT_EQ(follower.mask.region_px, cv::Rect(0, 0, moving::kWidth, moving::kHeight));
 }
 
-TEST(FollowTarget, KeepsTheTarget_WhereTheMapSaysThatItIs_ThoughNothingMoves) {
+TEST(FollowTarget, KeepsTheTarget_WhereTheMapPredictsIt_ThoughNothingMoves) {
   const Scene scene;
   const std::vector<cv::Point2f> points = landmarks_of_disc({160.0, 120.0}, 38.0);
   Follower follower;
@@ -306,7 +306,7 @@ TEST(SharpenOutline, FindsTheEdge_FromAPriorThatIsOffByAFewPixels) {
   follower.show(scene, 0, kFrames, {.points_px = points, .radius_px = 40.0});
   sharpen_outline(follower.state.get());
   EXPECT_TRUE(follower.state->sharp);
-  // Both sides of the edge are of the same texture: motion alone tells them apart, to 3 px of 40.
+  // Both sides of the edge are of the same texture: motion alone distinguishes them, to 3 px of 40.
   EXPECT_GE(overlap(follower.state->outline, scene.truth(kFrames - 1)), 0.8);
 }
 

@@ -29,7 +29,7 @@ float at(const ForegroundState& state, int row, int column) {
   return state.log_odds.at<float>(row / state.step, column / state.step);
 }
 
-TEST(ResizeLogOdds, KnowsNothing_OfTheFirstImage_OrOneOfAnotherSize) {
+TEST(ResizeLogOdds, IsEmpty_OfTheFirstImage_OrOneOfAnotherSize) {
   ForegroundState state;
   resize_log_odds(kSize, 2, &state);
   EXPECT_EQ(state.log_odds.size(), kSize / 2);

@@ -1,4 +1,4 @@
-// A mask that tells nothing apart any more.
+// A mask that distinguishes nothing any more.
 #include <gtest/gtest.h>
 
 #include <memory>

@@ -117,7 +117,7 @@ TEST(AddPicture, TakesWhatIsReducedAlready_WhereItIsTheSame) {
   cv::resize(gray, halved, gray.size() / 2, 0.0, 0.0, cv::INTER_AREA);
   cv::Mat quarter;
   cv::resize(halved, quarter, gray.size() / 4, 0.0, 0.0, cv::INTER_AREA);
-  const cv::Mat marked = ~halved;  // to be told from what would be computed
+  const cv::Mat marked = ~halved;  // to be distinguished from what would be computed
   const auto stored = [&](const cv::Mat& reduced) {
     PointsState points;
     EXPECT_TRUE(add_image(gray, reduced, &points));

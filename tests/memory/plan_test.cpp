@@ -71,7 +71,7 @@ TEST(MemoryPlan, TheTotalIsTheSumOfItsParts) {
   EXPECT_EQ(plan.total_bytes, sum);
 }
 
-TEST(MemoryPlan, RefusesATotalThatIsTooSmall_AndSaysWhatIsNeeded) {
+TEST(MemoryPlan, RefusesATotalThatIsTooSmall_AndReportsTheNeed) {
   Parameters p = at(640, 480);
   p.budget.total_mb = 64;
   const MemoryPlan plan = plan_memory(p);

@@ -1,5 +1,5 @@
 // Many frames after the seal: a sequence played back and forth from memory, on two threads, under
-// the kernel's eyes. Prints what it found as JSON; exit code 5 tells that something asked the
+// the kernel's eyes. Prints what it found as JSON; exit code 5 shows that something asked the
 // machine for memory, a thread or a file.
 #include <fmt/format.h>
 #include <sys/mman.h>

@@ -70,7 +70,7 @@ TEST_P(WorkerTest, EndsWithAJobStillOut) {
   EXPECT_TRUE(worker.due(1).empty()) << "it is the caller's again";
 }
 
-TEST_P(WorkerTest, TwoAreOutAtATime_EachComesBackToItsOwnStep) {
+TEST_P(WorkerTest, TwoAreOutAtATime_EachReturnsToItsOwnStep) {
   Worker worker({.own_thread = GetParam(), .latency_ms_max = 10});
   for (std::uint32_t i = 0; i < 5; ++i) {
     const auto map = job_due_at(10 * i + 5);

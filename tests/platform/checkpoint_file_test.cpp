@@ -151,9 +151,9 @@ TEST_F(CheckpointFile, OfAnotherBootIsAsOldAsTheUtcClockSays) {
 /// Checksums are for accidents: who alters a checkpoint on purpose makes them right.
 TEST_F(CheckpointFile, WithAKeyOnlyTheOneThatTheKeySignedIsTaken) {
   polhode_key key{};
-  key.bytes[3] = 7;
+  key.octets[3] = 7;
   polhode_key other = key;
-  other.bytes[3] = 8;
+  other.octets[3] = 8;
   const char* refusal = "not signed by the key of commands";
   ASSERT_TRUE(write(content_, &key));
   EXPECT_EQ(load_signed_by(key).refusal, "");

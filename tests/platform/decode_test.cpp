@@ -155,7 +155,7 @@ TEST(Decode, Pgm_ScalesAnotherMaxvalToFullScale) {
 }
 
 // verifies: PRG-06
-TEST(Decode, EveryTruncationIsRefused_AndSaysSo_WhereAPixelIsMissing) {
+TEST(Decode, EveryTruncationIsRefused_AndReportsIt_WhereAPixelIsMissing) {
   const PngShape shape{.width = kWidth, .height = kHeight};
   const File files[] = {encode_png(shape, gray_samples()),
                         encode_jpeg(kWidth, kHeight, gray_samples()),
@@ -189,7 +189,7 @@ File with_stray(File file, std::uint8_t marker, const File& stray) {
   return file;
 }
 
-TEST(Decode, AJpegsStrayOctetsAreNoDamage_DataThatIsNotUnderstoodIs) {
+TEST(Decode, AJpegsStrayBytesAreNoDamage_DataThatIsNotUnderstoodIs) {
   constexpr std::uint8_t kEnd = 0xD9;
   const File file = encode_jpeg(kWidth, kHeight, gray_samples());
   const DecodedImage whole = decoded(file);
@@ -214,7 +214,7 @@ TEST(Decode, AProgressiveJpegThatLacksScansIsRefused) {
   EXPECT_TRUE(decode(Bytes(file).first(last_scan), image).has_value());
 }
 
-TEST(Decode, DamagedOctetsNeverCrash_AndPngNoticesThem) {
+TEST(Decode, DamagedBytesNeverCrash_AndPngNoticesThem) {
   const File png = encode_png({.width = kWidth, .height = kHeight}, gray_samples());
   const File jpeg = encode_jpeg(kWidth, kHeight, gray_samples());
   for (const File& file : {png, jpeg}) {

@@ -46,7 +46,7 @@ File with(const File& segment) {
   return jpeg;
 }
 
-TEST(Exif, TellsTheOrientationInEitherOctetOrder) {
+TEST(Exif, TellsTheOrientationInEitherByteOrder) {
   for (std::uint16_t orientation = 1; orientation <= 8; ++orientation) {
     EXPECT_EQ(exif_orientation(with(exif(true, orientation))), orientation);
     EXPECT_EQ(exif_orientation(with(exif(false, orientation))), orientation);

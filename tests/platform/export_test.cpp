@@ -14,7 +14,7 @@ namespace {
 
 using namespace recordings;
 
-TEST(Export, LeavesOutFramesWhoseTimesRunBack_AndSaysSo) {
+TEST(Export, LeavesOutFramesWhoseTimesRunBack_AndReportsIt) {
   const TemporaryFolder folder;
   {
     Recorder recorder(options(folder.path()), kBegin, kFrameBytes);
@@ -96,7 +96,7 @@ TEST(Export, NamesTheFilesThatAreNotInTheRecording) {
   EXPECT_FALSE(replays_to_the_same_bytes(report));
 }
 
-TEST(Export, SaysWhenTheBytesWillDiffer) {
+TEST(Export, ReportsWhenTheBytesWillDiffer) {
   EXPECT_TRUE(replays_to_the_same_bytes({.has_begin = true}));
   EXPECT_FALSE(replays_to_the_same_bytes({.has_begin = false}));
   EXPECT_FALSE(replays_to_the_same_bytes({.not_recorded = 1, .has_begin = true}));

@@ -87,7 +87,7 @@ TEST(ExposureControl, LeavesAGainAloneThatTheDeviceHasNot) {
   EXPECT_NEAR(camera.level(), 0.8, 0.1);
 }
 
-/// What the component says of a frame, and what it remembers of it.
+/// Published and stored state of a frame.
 struct Stepped {
   explicit Stepped(FrameUse use) : state(std::make_unique<Component::State>()) { out.use = use; }
   StepOutput out;

@@ -13,7 +13,7 @@ bool holds(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-TEST(LensDoubts, UsualCamerasRaiseNone) {
+TEST(LensWarnings, UsualCamerasRaiseNone) {
   EXPECT_TRUE(lens_warnings(camera(889, 889, 319.5, 239.5)).empty());
   EXPECT_TRUE(lens_warnings(camera(3310.4, 3325.5, 316.73, 200.55)).empty());  // dinonut
   EXPECT_TRUE(lens_warnings(camera(348, 348, 319.5, 239.5)).empty());
@@ -25,7 +25,7 @@ TEST(LensDoubts, UsualCamerasRaiseNone) {
   EXPECT_EQ(wrong_order(euroc), "");
 }
 
-TEST(LensDoubts, IntrinsicsOfALargerImageAreNamed) {
+TEST(LensWarnings, IntrinsicsOfALargerImageAreNamed) {
   const auto warnings = lens_warnings(camera(1777.8, 1777.8, 639.5, 479.5));
   ASSERT_EQ(warnings.size(), 1U);
   EXPECT_TRUE(holds(warnings[0], "intrinsics: the principal point (639.5, 479.5) is 50 %"))
@@ -33,7 +33,7 @@ TEST(LensDoubts, IntrinsicsOfALargerImageAreNamed) {
   EXPECT_TRUE(holds(warnings[0], "a picture 2 times as large")) << warnings[0];
 }
 
-TEST(LensDoubts, PixelsThatAreNoSquares) {
+TEST(LensWarnings, PixelsThatAreNoSquares) {
   const auto warnings = lens_warnings(camera(889, 500, 319.5, 239.5));
   ASSERT_EQ(warnings.size(), 1U);
   EXPECT_TRUE(holds(warnings[0], "differ by a factor of 1.78")) << warnings[0];
@@ -42,12 +42,12 @@ TEST(LensDoubts, PixelsThatAreNoSquares) {
                     "differ by a factor of 1.78 beside pixel_aspect"));
 }
 
-TEST(LensDoubts, FieldsOfViewThatNoPinholeHas) {
+TEST(LensWarnings, FieldsOfViewThatNoPinholeHas) {
   EXPECT_TRUE(holds(lens_warnings(camera(100, 100, 319.5, 239.5)).at(0), "145 deg"));
   EXPECT_EQ(lens_warnings(camera(9e5, 9e5, 319.5, 239.5)).size(), 1U);
 }
 
-TEST(LensDoubts, ADistortionThatFoldsWithinTheImage) {
+TEST(LensWarnings, ADistortionThatFoldsWithinTheImage) {
   CameraParameters folded = camera(500, 500, 319.5, 239.5);
   folded.k1 = -0.8;
   const auto warnings = lens_warnings(folded);
@@ -57,7 +57,7 @@ TEST(LensDoubts, ADistortionThatFoldsWithinTheImage) {
   EXPECT_TRUE(lens_warnings(folded).empty());
 }
 
-TEST(LensDoubts, AnotherOrderIsRefused_ACutOutImageIsNot) {
+TEST(LensWarnings, AnotherOrderIsRefused_ACutOutImageIsNot) {
   EXPECT_TRUE(holds(wrong_order(camera(888.9, 319.5, 888.9, 239.5)), "look like fu, cu, fv, cv"));
   EXPECT_TRUE(holds(wrong_order(camera(319.5, 239.5, 888.9, 888.9)), "look like cu, cv, fu, fv"));
   EXPECT_EQ(wrong_order(camera(888.9, 888.9, 319.5, 239.5)), "");

@@ -1,4 +1,4 @@
-// What a service manager is told, for tests.
+// Notifications to a service manager, for tests.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -41,7 +41,7 @@ class LiveRun : public testing::Test {
  protected:
   LiveRun() {
     ::setenv("NOTIFY_SOCKET", path_.c_str(), 1);
-    ::setenv("WATCHDOG_USEC", "4", 1);  // told of each stroke
+    ::setenv("WATCHDOG_USEC", "4", 1);  // notified of each stroke
     ::unsetenv("WATCHDOG_PID");
   }
   ~LiveRun() override {
@@ -66,8 +66,8 @@ class LiveRun : public testing::Test {
                     .exposure = exposure_};
     EXPECT_EQ(run_live(parts, {}), LiveEnd::kPlayed);
     int strokes = 0;
-    for (std::string told = listener.next(); !told.empty(); told = listener.next()) {
-      strokes += told == "WATCHDOG=1" ? 1 : 0;
+    for (std::string reported = listener.next(); !reported.empty(); reported = listener.next()) {
+      strokes += reported == "WATCHDOG=1" ? 1 : 0;
     }
     return strokes;
   }

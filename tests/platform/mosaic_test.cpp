@@ -1,4 +1,4 @@
-// A Bayer sensor's mosaic in gray images: found, told apart from texture, levelled.
+// A Bayer sensor's mosaic in gray images: found, distinguished from texture, levelled.
 #include "camera/replay/mosaic.hpp"
 
 #include <gtest/gtest.h>

@@ -86,19 +86,20 @@ TEST_F(PlatformTelemetryTest, TellsWhatTheRunHasCounted) {
   pass(kSecond_ns);
   const auto packets = sent();
   ASSERT_EQ(packets.size(), 1U);
-  const bus::PlatformPacket& told = packets[0];
-  EXPECT_EQ(told.timestamp_ns, kFrame_ns);
-  EXPECT_EQ(told.frames_dropped, 1112U);
-  EXPECT_EQ(told.camera_errors, 9U);
-  EXPECT_EQ(told.camera_reopened, 8U);
-  EXPECT_EQ(told.deadline_misses, 1U);
-  EXPECT_EQ(told.jobs_late, 2U);
-  EXPECT_EQ(told.last_step_us, 900U);
-  EXPECT_EQ(told.longest_step_us, 5000U);
-  EXPECT_EQ(told.restarts, 7U);
-  EXPECT_EQ(told.flags, bus::platform_layout::kFlagWatchdog | bus::platform_layout::kFlagRealTime);
-  EXPECT_GT(told.resident_octets, 1'000'000U);
-  EXPECT_GE(told.resident_peak_octets, told.resident_octets / 2);
+  const bus::PlatformPacket& reported = packets[0];
+  EXPECT_EQ(reported.timestamp_ns, kFrame_ns);
+  EXPECT_EQ(reported.frames_dropped, 1112U);
+  EXPECT_EQ(reported.camera_errors, 9U);
+  EXPECT_EQ(reported.camera_reopened, 8U);
+  EXPECT_EQ(reported.deadline_misses, 1U);
+  EXPECT_EQ(reported.jobs_late, 2U);
+  EXPECT_EQ(reported.last_step_us, 900U);
+  EXPECT_EQ(reported.longest_step_us, 5000U);
+  EXPECT_EQ(reported.restarts, 7U);
+  EXPECT_EQ(reported.flags,
+            bus::platform_layout::kFlagWatchdog | bus::platform_layout::kFlagRealTime);
+  EXPECT_GT(reported.resident_octets, 1'000'000U);
+  EXPECT_GE(reported.resident_peak_octets, reported.resident_octets / 2);
 }
 
 TEST_F(PlatformTelemetryTest, ADiskThatRefusesIsAnEvent_WithACountOfItsOwn) {

@@ -278,17 +278,17 @@ TEST(Recording, ACommandThatFindsNoPlaceIsCountedAndWrittenDown_AtTheEndToo) {
     recorder.command(packet);
     missed = recorder.counters().missed;
   }
-  std::uint64_t told = 0;
+  std::uint64_t reported = 0;
   for (const Record& record : read_all(folder.path())) {
-    told += record.header.reason == DropReason::kNotRecorded &&
-                    record.header.kind == RecordKind::kDropped
-                ? record.header.count
-                : 0;
+    reported += record.header.reason == DropReason::kNotRecorded &&
+                        record.header.kind == RecordKind::kDropped
+                    ? record.header.count
+                    : 0;
   }
-  EXPECT_EQ(told, missed);
+  EXPECT_EQ(reported, missed);
 }
 
-/// Writes a recording of one frame whose header says what is wanted; all checksums are right.
+/// Writes a recording of one frame whose header indicates what is wanted; all checksums are right.
 void write_frame_of(const fs::path& folder, RecordHeader header, std::size_t content_bytes) {
   const std::vector<std::uint8_t> content(content_bytes, 0x1F);
   header.kind = RecordKind::kFrame;

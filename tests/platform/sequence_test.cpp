@@ -171,7 +171,7 @@ TEST(Sequence, TheTablesAreReadWithoutImages_AndIntrinsicsToBeEstimatedWhereThey
   EXPECT_EQ(tables.sensor.fields.count("resolution"), 0U);
 }
 
-TEST(Sequence, ARowTimeUnderAnotherName_AndAReadoutLongerThanAnInterval_AreTold) {
+TEST(Sequence, ARowTimeUnderAnotherName_AndAReadoutLongerThanAnInterval_AreReported) {
   const SequenceFolder folder;
   struct {
     const char* line;
@@ -212,7 +212,7 @@ TEST(Quote, TextOfJsonNamesOctetsThatAreNotUtf8AsPythonDoes) {
 TEST(Sequence, RefusesImagesOfAnotherSize_AndSequencesWithoutAnyImage) {
   const SequenceFolder folder;
   folder.frame("a.pgm",
-               "");  // a single bad frame is not the sequence's end: the next one tells the size
+               "");  // a single bad frame is not the sequence's end: the next one shows the size
   EXPECT_EQ(folder.refusal(), "");
   folder.frame("b.pgm", image(65, 48));
   EXPECT_HOLDS(folder.refusal(),
@@ -250,7 +250,7 @@ TEST(FileCamera, HandsOverEveryFrame_BadOnesAsNotReadable) {
   EXPECT_FALSE(camera.next(frame));
 }
 
-TEST(FileCamera, ImagesOf8BitsAmong16AreTold_AndSayNothingOfTheOthersDepth) {
+TEST(FileCamera, ImagesOf8BitsAmong16AreReported_AndSayNothingOfTheOthersDepth) {
   const SequenceFolder folder;
   const File rows(std::size_t{kWidth} * kHeight * 2, 9);  // 0x0909: a level of 12 bits
   const File file = encode_png({.width = kWidth, .height = kHeight, .depth = 16}, rows);

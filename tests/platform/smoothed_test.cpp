@@ -202,7 +202,7 @@ std::vector<MotionState> run_of(std::initializer_list<int> poses_in_each_T, Mode
   return published;
 }
 
-TEST(IsBorneOut, NotAMapThatWasLostBeforeSixPoses) {
+TEST(IsConfirmed, NotAMapThatWasLostBeforeSixPoses) {
   EXPECT_FALSE(is_confirmed(run_of({5}, Mode::kLost)));
   EXPECT_TRUE(is_confirmed(run_of({6}, Mode::kLost)));
   EXPECT_FALSE(is_confirmed(run_of({40, 5}, Mode::kLost))) << "of the last T";

@@ -55,7 +55,7 @@ TEST(Stamps, MoreImagesThanAnyCameraTakesAreRefusedWithoutARate) {
   EXPECT_TRUE(holds(line, "names no rate_hz")) << line;
 }
 
-TEST(Stamps, AnotherRateThanTheCamerasIsTold) {
+TEST(Stamps, AnotherRateThanTheCamerasIsReported) {
   const auto slower = stamp_warnings(stamps(1.0 / 3600, 1), 1.0, "data.csv");
   ASSERT_EQ(slower.size(), 1U);
   EXPECT_TRUE(holds(slower[0], "data.csv: timestamp [ns]: the pictures are 3600 s apart"));
@@ -63,7 +63,7 @@ TEST(Stamps, AnotherRateThanTheCamerasIsTold) {
   EXPECT_EQ(stamp_warnings(stamps(30.0, 1), 10.0, "t").size(), 1U);
 }
 
-TEST(Stamps, StampsOfArrivalAreTold_LostFramesAtUnevenTimesAreNot) {
+TEST(Stamps, StampsOfArrivalAreReported_LostFramesAtUnevenTimesAreNot) {
   std::vector<std::int64_t> arrival;
   std::vector<std::int64_t> lost;
   for (std::int64_t i = 0; i < 80; ++i) {

@@ -128,7 +128,7 @@ TEST(AdjustBundle, GoesFromAFarStart_WhereItGoesFromANearOne) {
 }
 
 TEST(AdjustBundle, StopsAtItsLimitOfIterations_WithWhatItKept) {
-  // A hundred sigma have nearly their full weight, and sums of losses still tell a 1e-10.
+  // A hundred sigma have nearly their full weight, and sums of losses still resolve 1e-10.
   constexpr double kNearlyWide = 1e3;
   const Scene start = disturbed(make_scene(6, 60, 1.0, 3), 3, 18.0);
   // With full weights and from so far some trials go uphill: what is reported and left is never a

@@ -129,7 +129,7 @@ TEST(InitialCost, TakesOtherPosesAndPointsInPlaceOfTheGeometrysOwn) {
   EXPECT_NEAR(total(&g, kTruncated), 0.0, 1e-6);
 }
 
-TEST(EvaluateStart, CountsInliersPointsFramesAndLeavesWrongTracksOut) {
+TEST(EvaluateInitial, CountsInliersPointsFramesAndLeavesWrongTracksOut) {
   Geometry g;
   g.add_track({1.0, 1.0, 1.0, 1.0, 1.0, 1.0});
   g.add_track({1.0, 1.0, 9.0, 1.0, 1.0, 1.0});  // one wrong match, a right track
@@ -148,11 +148,11 @@ TEST(EvaluateStart, CountsInliersPointsFramesAndLeavesWrongTracksOut) {
   EXPECT_NEAR(fit.cost, total(&g, kTruncated), 1e-12);
 }
 
-TEST(EvaluateStart, CountsWhatTellsBeyondTwoImagesOfATrack_AndWhatOfItAgrees) {
+TEST(EvaluateInitial, CountsWhatTellsBeyondTwoImagesOfATrack_AndWhatOfItAgrees) {
   Geometry g;
-  g.add_track({1.0, 1.0, 1.0, 1.0, 1.0, 1.0});  // 4 tell, 4 agree
-  g.add_track({1.0, 1.0, 9.0, 1.0, 1.0});       // 3 tell, 2 agree
-  g.add_track({9.0, 9.0, 9.0, 9.0, 1.0});       // 3 tell, none agrees
+  g.add_track({1.0, 1.0, 1.0, 1.0, 1.0, 1.0});  // 4 redundant, 4 agree
+  g.add_track({1.0, 1.0, 9.0, 1.0, 1.0});       // 3 redundant, 2 agree
+  g.add_track({9.0, 9.0, 9.0, 9.0, 1.0});       // 3 redundant, none agrees
   g.add_track({0.0, 0.0});                      // a point agrees with any two images
   const InitialFit fit = evaluate(&g, kTruncated);
   EXPECT_EQ(fit.redundant, 4 + 3 + 3);
@@ -162,7 +162,7 @@ TEST(EvaluateStart, CountsWhatTellsBeyondTwoImagesOfATrack_AndWhatOfItAgrees) {
   EXPECT_EQ(evaluate(&g, kTruncated).agreeing, 2);
 }
 
-TEST(EvaluateStart, ATrackOfOneImageTellsNothing) {
+TEST(EvaluateInitial, ATrackOfOneImageGivesNothing) {
   Geometry g;
   g.add_track({1.0, 1.0, 1.0, 1.0});
   g.add_track({0.0});
@@ -172,7 +172,7 @@ TEST(EvaluateStart, ATrackOfOneImageTellsNothing) {
   EXPECT_EQ(fit.agreeing, 2);
 }
 
-TEST(EvaluateStart, ScalesTheNoiseByWhatTheFitHasTakenUp) {
+TEST(EvaluateInitial, ScalesTheNoiseByWhatTheFitHasTakenUp) {
   Geometry g;
   for (int i = 0; i < 20; ++i) g.add_track({1.0, 1.0, 1.0, 1.0, 1.0, 1.0});
   const InitialFit fit = evaluate(&g, kTruncated);
@@ -184,7 +184,7 @@ TEST(EvaluateStart, ScalesTheNoiseByWhatTheFitHasTakenUp) {
   EXPECT_EQ(evaluate(&few, kTruncated).noise_scale, 0.0);  // 8 - 6 - 12 + 7: none is free
 }
 
-TEST(EvaluateStart, OfNothingIsNothing) {
+TEST(EvaluateInitial, OfNothingIsNothing) {
   Geometry g;
   const InitialFit fit = evaluate(&g, kTruncated);
   EXPECT_EQ(fit.cost, 0.0);

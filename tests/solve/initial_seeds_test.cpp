@@ -48,8 +48,8 @@ ImageMatrix images_of(const InitialGeometry& g) {
   return images;
 }
 
-/// Angle between the turn of the motion and the truth's, or its depth-reversed twin's, whichever is
-/// nearer.
+/// Angle between the turn of the motion and the truth's, or its depth-reversed solution's,
+/// whichever is nearer.
 double turn_error_rad(const Eigen::Matrix3d& turn, const Eigen::Matrix3d& truth) {
   const Eigen::DiagonalMatrix<double, 3> flip(1.0, 1.0, -1.0);
   return std::min(rotation_angle_rad(turn, truth), rotation_angle_rad(turn, flip * truth * flip));

@@ -18,7 +18,7 @@ CAPITAL = re.compile(r"(?<=[a-z0-9])(?=[A-Z])")
 def plain(text: str) -> str:
     """Lower-case words: texts are emptied, exceptions dropped, names split; lines keep their numbers."""
     text = COMMENT_OR_TEXT.sub(lambda m: m.group() if m.group()[0] == "/" else '""', re.sub(r"(?<=\d)'(?=\d)", "0", text))
-    text = re.sub(r'^\s*#include "[^"]*"', "", text, flags=re.MULTILINE)
+    text = re.sub(r'^[ \t]*#include "[^"]*"', "", text, flags=re.MULTILINE)
     return CAPITAL.sub(" ", EXCEPTIONS.sub("", text)).replace("_", " ").lower()
 
 

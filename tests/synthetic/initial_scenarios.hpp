@@ -166,7 +166,7 @@ inline void drift_apart(Rng* rng, std::vector<Track>* tracks) {
 
 }  // namespace detail
 
-inline InitialScenario make_start_scenario(InitialFamily family, std::uint64_t seed) {
+inline InitialScenario make_initial_scenario(InitialFamily family, std::uint64_t seed) {
   Rng rng(seed, 77U + static_cast<std::uint64_t>(family));
   InitialScenario s;
   const Body body = detail::body_of(family, &rng);

@@ -235,7 +235,7 @@ TEST(TrackTable, IsEmptyAgain_AfterClear) {
   f.expect_consistent();
 }
 
-TEST(TrackTable, IsSound_UntilAnIndexOrAPlaceIsDamaged) {
+TEST(TrackTable, IsValid_UntilAnIndexOrAPlaceIsDamaged) {
   TrackedSpots f;
   EXPECT_TRUE(is_valid(*f.table)) << "empty";
   f.add(range(0, 12));

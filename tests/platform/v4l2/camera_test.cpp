@@ -219,7 +219,7 @@ TEST_F(V4l2CameraTest, WaitsForADeviceThatAnotherProgramHolds) {
   EXPECT_TRUE(frame_within(camera, 1500, &frame));
 }
 
-TEST_F(V4l2CameraTest, AStreamThatFallsSilentIsOpenedAnew) {
+TEST_F(V4l2CameraTest, AStreamThatFallsSilentIsOpenedAgain) {
   V4l2Camera camera(device, options());
   ASSERT_EQ(camera.open(), OpenResult::kStreaming);
   for (int i = 0; i < 200 && camera.counters().opened < 2; ++i) {

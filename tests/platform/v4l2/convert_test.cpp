@@ -22,7 +22,7 @@ OfferedFormat format_of(std::uint32_t fourcc, std::uint32_t padding) {
           .image_bytes = row * kHeight};
 }
 
-/// Bytes 1, 2, 3 ..., so that every position can be told from every other.
+/// Bytes 1, 2, 3 ..., so that every position can be distinguished from every other.
 std::vector<std::uint8_t> ramp(const OfferedFormat& format) {
   std::vector<std::uint8_t> bytes(format.image_bytes);
   for (std::size_t i = 0; i < bytes.size(); ++i) {
@@ -84,7 +84,7 @@ TEST(Convert, TenAndTwelveBitsFillTheUpperEnd) {
   }
 }
 
-TEST(Convert, LumaIsEveryOtherOctet) {
+TEST(Convert, LumaIsEveryOtherByte) {
   const OfferedFormat format = format_of(V4L2_PIX_FMT_YUYV, 1);
   const auto buffer = ramp(format);
   GrayConverter converter(format);
@@ -113,7 +113,7 @@ TEST(Convert, ColourBecomesLuminance) {
   EXPECT_EQ(view.data[kWidth], 0);
 }
 
-TEST(Convert, ABufferThatEndsEarlyIsRefused_OneOctetDecides) {
+TEST(Convert, ABufferThatEndsEarlyIsRefused_OneByteDecides) {
   for (const auto& packing : pixel_packings()) {
     if (packing.packing == Packing::kCompressed) {
       continue;

@@ -69,7 +69,7 @@ const Opening kOpenings[] = {
      OpenResult::kAbsent},
 };
 
-TEST(DeviceStream, SaysWhyItCannotOpen_AndLeavesNothingBehind) {
+TEST(DeviceStream, ReportsWhyItCannotOpen_AndLeavesNothingBehind) {
   for (const Opening& opening : kOpenings) {
     FakeDevice device;
     opening.fault(device);
@@ -137,7 +137,7 @@ TEST(DeviceStream, TakesBuffersInOrder_AndTheDeviceUsesThemAgain) {
   EXPECT_EQ(device.queued(), 4U);
 }
 
-TEST(DeviceStream, WaitsNoLongerThanToldTo) {
+TEST(DeviceStream, WaitsNoLongerThanRequested) {
   FakeDevice device;
   DeviceStream stream(device, request());
   ASSERT_EQ(stream.open(), OpenResult::kStreaming);
@@ -149,7 +149,7 @@ TEST(DeviceStream, WaitsNoLongerThanToldTo) {
   EXPECT_EQ(device.time_ns - before_ns, 40'000'000);
 }
 
-TEST(DeviceStream, TellsAFatalErrorFromADeviceThatIsGone) {
+TEST(DeviceStream, SeparatesAFatalErrorFromADeviceThatIsGone) {
   FakeDevice device;
   DeviceStream stream(device, request());
   TakenBuffer taken;
@@ -175,7 +175,7 @@ TEST(DeviceStream, ABufferNumberThatIsNoneIsNotBelieved) {
   EXPECT_EQ(stream.take(10, &taken), TakeResult::kBroken);
 }
 
-TEST(DeviceStream, MoreOctetsThanTheBufferHasAreCutOff) {
+TEST(DeviceStream, MoreBytesThanTheBufferHasAreCutOff) {
   FakeDevice device;
   DeviceStream stream(device, request());
   ASSERT_EQ(stream.open(), OpenResult::kStreaming);

@@ -45,7 +45,7 @@ class FakeDevice final : public DeviceCalls {
   bool map_fails = false;
   std::uint32_t lie_about_index = 0;  ///< added to the number of each filled buffer
   bool gone = false;                  ///< unplugged: every call fails with ENODEV
-  bool failed = false;  ///< fatal streaming error: poll tells it, taking a buffer is EIO
+  bool failed = false;  ///< fatal streaming error: poll shows it, taking a buffer is EIO
 
   // What happened.
   std::int64_t time_ns = 1'000'000'000;

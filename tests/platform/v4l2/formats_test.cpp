@@ -20,31 +20,31 @@ OfferedFormat offer(std::uint32_t fourcc,
           .image_bytes = row * static_cast<std::uint32_t>(height)};
 }
 
-const FormatRequest kWish{.width_px = 640, .height_px = 480};
+const FormatRequest kRequest{.width_px = 640, .height_px = 480};
 
 TEST(ChooseFormat, TakesWhatNeedsNoConversionFirst_WhateverTheOrderOfTheOffer) {
   std::vector<OfferedFormat> offered{{V4L2_PIX_FMT_MJPEG, 640, 480, 0, 100000},
                                      offer(V4L2_PIX_FMT_YUYV, 2),
                                      offer(V4L2_PIX_FMT_Y10, 2),
                                      offer(V4L2_PIX_FMT_GREY, 1)};
-  EXPECT_EQ(choose_format(offered, kWish), 3U);
+  EXPECT_EQ(choose_format(offered, kRequest), 3U);
   offered.pop_back();
-  EXPECT_EQ(choose_format(offered, kWish), 2U);
+  EXPECT_EQ(choose_format(offered, kRequest), 2U);
   offered.pop_back();
-  EXPECT_EQ(choose_format(offered, kWish), 1U);
+  EXPECT_EQ(choose_format(offered, kRequest), 1U);
   offered.pop_back();
-  EXPECT_EQ(choose_format(offered, kWish), 0U);
+  EXPECT_EQ(choose_format(offered, kRequest), 0U);
 }
 
 TEST(ChooseFormat, TakesNoOtherSizeThanTheCamerasCalibration) {
   const std::vector<OfferedFormat> offered{offer(V4L2_PIX_FMT_GREY, 1, 1280, 960)};
-  EXPECT_FALSE(choose_format(offered, kWish));
+  EXPECT_FALSE(choose_format(offered, kRequest));
 }
 
 TEST(ChooseFormat, TakesTheFormatThatIsAskedFor_OrNone) {
   const std::vector<OfferedFormat> offered{offer(V4L2_PIX_FMT_GREY, 1),
                                            offer(V4L2_PIX_FMT_YUYV, 2)};
-  FormatRequest request = kWish;
+  FormatRequest request = kRequest;
   request.fourcc = V4L2_PIX_FMT_YUYV;
   EXPECT_EQ(choose_format(offered, request), 1U);
   request.fourcc = V4L2_PIX_FMT_Y16;
@@ -79,7 +79,7 @@ TEST(ChooseFormat, RowsOfPackedBitsEndWithAWholeGroup) {
   EXPECT_EQ(row_bytes_of(*find_packing("BGR24"), 640), 1920U);
 }
 
-TEST(ChooseFormat, NothingOnOfferIsNothing) { EXPECT_FALSE(choose_format({}, kWish)); }
+TEST(ChooseFormat, NothingOnOfferIsNothing) { EXPECT_FALSE(choose_format({}, kRequest)); }
 
 TEST(ChooseInterval, TakesTheNearestByRatio_AndNoneThatIsZero) {
   const std::vector<Interval> offered{{0, 30}, {1, 5}, {1, 15}, {1, 0}, {1, 60}};

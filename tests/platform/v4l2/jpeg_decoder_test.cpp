@@ -115,7 +115,7 @@ TEST(JpegDecoder, TakesNoHeapOnceItIsMade_GoodImagesOrBad) {
 }
 #endif
 
-TEST(JpegDecoder, TakesWhatCamerasSend_StrayOctetsAndNoEndMarker) {
+TEST(JpegDecoder, TakesWhatCamerasSend_StrayBytesAndNoEndMarker) {
   const Bytes file = compressed(320, 240, TJSAMP_422);
   JpegDecoder decoder(320, 240);
   Bytes whole(320 * 240);

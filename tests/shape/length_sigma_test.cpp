@@ -1,5 +1,5 @@
-// Does the truth lie where the sigma of a length says? Ends at edges, where the surface beside them
-// is another one, and maps that are bent.
+// Does the truth lie where the sigma of a length indicates? Ends at edges, where the surface beside
+// them is another one, and maps that are bent.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 #include "shape/scale.hpp"
 #include "surfaces.hpp"
 
-namespace polhode::scale_doubt_test {
+namespace polhode::length_sigma_test {
 namespace {
 
 constexpr double kMetresPerMu = 0.37;
@@ -121,7 +121,7 @@ Drawn plate_before_wall(double gap, Rng* rng) {
 }
 
 // verifies: SHP-16
-TEST(LengthDoubt, HoldsTheTruth_WhereAPlatesEdgesAreBeforeAWall) {
+TEST(LengthSigma, HoldsTheTruth_WhereAPlatesEdgesAreBeforeAWall) {
   for (const double gap : {0.1, 0.3, 0.6}) {
     SCOPED_TRACE(gap);
     expect_honest(
@@ -152,12 +152,12 @@ Drawn box_with_a_known_edge(Rng* rng, std::uint64_t seed) {
 }
 
 // verifies: SHP-16
-TEST(LengthDoubt, HoldsTheTruth_OfABoxesEdge) {
+TEST(LengthSigma, HoldsTheTruth_OfABoxesEdge) {
   expect_honest(outcome_of(box_with_a_known_edge), 0.2);
 }
 
 // verifies: SHP-16
-TEST(LengthDoubt, HoldsTheTruth_InABentMap) {
+TEST(LengthSigma, HoldsTheTruth_InABentMap) {
   // Neighbours are off by the same: depths by a wave over the body, and all by a factor.
   expect_honest(outcome_of([](Rng* rng, std::uint64_t seed) {
                   constexpr double kWave = 0.02;
@@ -180,7 +180,7 @@ TEST(LengthDoubt, HoldsTheTruth_InABentMap) {
                 0.3);
 }
 
-TEST(LengthDoubt, IsNoLargerOnAPlainSurface) {
+TEST(LengthSigma, IsNoLargerOnAPlainSurface) {
   // Ends 0.2 inside the plate, the wall far from both: what is in doubt elsewhere is no doubt here.
   const Outcome outcome = outcome_of([](Rng* rng, std::uint64_t) {
     Drawn drawn = plate_before_wall(0.3, rng);
@@ -193,4 +193,4 @@ TEST(LengthDoubt, IsNoLargerOnAPlainSurface) {
 }
 
 }  // namespace
-}  // namespace polhode::scale_doubt_test
+}  // namespace polhode::length_sigma_test
