@@ -94,7 +94,7 @@ polhode::Frame frame_of(const polhode_input& input) {
           .image = {.data = input.pixels,
                     .width_px = input.width_px,
                     .height_px = input.height_px,
-                    .stride_octets = static_cast<std::ptrdiff_t>(input.stride_octets),
+                    .stride_bytes = static_cast<std::ptrdiff_t>(input.stride_octets),
                     .format = wide ? polhode::PixelFormat::kGray16 : polhode::PixelFormat::kGray8}};
 }
 
