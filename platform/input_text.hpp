@@ -21,7 +21,8 @@ inline constexpr std::size_t kSettingsBytesMax = std::size_t{1} << 20U;
 /// `bytes_max`, or is UTF-16; RunFailure where the machine is at fault, as fail_at_start() has it.
 std::string read_text(const std::filesystem::path& file, std::size_t bytes_max);
 
-/// Nothing of this name is there. A link that leads nowhere, and what may not be looked at, is.
+/// Is there nothing of this name? A link that leads nowhere, and a file that may not be read, count
+/// as something.
 bool is_absent(const std::filesystem::path& file);
 
 /// The lines of a text; each ends with a line feed, a carriage return, or both.

@@ -34,7 +34,7 @@ struct MemoryPlan {
   std::string problem;  ///< why it does not fit; empty when it does
 };
 
-/// What a run needs beside the estimator, by what it does with frames and packets.
+/// Needs of a run beside the estimator, for its frames and packets.
 struct MachineNeeds {
   std::vector<PlanRow> rows;      ///< in memory of their own
   std::size_t general_bytes = 0;  ///< from the general pool
@@ -44,7 +44,7 @@ struct MachineNeeds {
 /// @param parameters checked, with a camera.
 MemoryPlan plan_memory(const Parameters& parameters, const MachineNeeds& machine = {});
 
-/// The plan as a table for people.
+/// The plan as a table of text.
 std::string text_of(const MemoryPlan& plan);
 
 /// Most that one job may take from its pool; admission requires this much before it runs.

@@ -1,4 +1,4 @@
-// Lines for people on standard error.
+// Prints lines on standard error.
 #pragma once
 
 #include <fmt/format.h>

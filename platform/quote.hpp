@@ -36,7 +36,8 @@ inline std::size_t printable_bytes(std::string_view text) {
   return longer_than_needed || beyond || control ? 0 : bytes;
 }
 
-/// What is not printable becomes \xNN; cut, with "..." in its place, after `bytes_max`.
+/// Unprintable bytes become \xNN; the text is cut after `bytes_max`, with "..." in place of the
+/// rest.
 inline std::string cited(std::string_view text, std::size_t bytes_max = kQuoteMax) {
   constexpr char kDigits[] = "0123456789abcdef";
   std::string out;

@@ -24,7 +24,8 @@ class Beginning {
             const std::string& config_hash,
             const std::optional<polhode_key>& key = {});
 
-  /// Into a component that has just been created. What it throws is a crash to the next start.
+  /// Loads the initial state into a component that has just been created. An exception counts as a
+  /// crash for the next start.
   void restore(Component& component);
 
   [[nodiscard]] const CheckpointIdentity& identity() const { return identity_; }

@@ -1,4 +1,4 @@
-// What a component answers to commands, as it comes over the bus.
+// The component's answers to commands, received over the bus.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
-// polhode camera list | probe: which cameras there are, what one can do, what Polhode would use of
-// it.
+// polhode camera list | probe: lists the cameras, the capabilities of one, and the mode that
+// Polhode would use.
 #pragma once
 
 #include <string>

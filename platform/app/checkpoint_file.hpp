@@ -16,14 +16,14 @@
 
 namespace polhode::platform {
 
-/// What a checkpoint belongs to. Another one's is not used.
+/// Identity of a checkpoint's run. A checkpoint with another one is not used.
 struct CheckpointIdentity {
   std::array<char, 64> config_hash{};  ///< hexadecimal digits, of the parameters
   std::array<char, 36> boot_id{};      ///< zeros where time stamps do not depend on the boot
   BuildId build_id{};                  ///< of the program: tables lie otherwise in another one
 };
 
-/// What is written with a state.
+/// Facts written with a state.
 struct CheckpointStamp {
   CheckpointIdentity identity;
   std::array<char, 36> boot_id{};  ///< of this_boot()

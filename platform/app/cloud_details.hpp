@@ -1,5 +1,5 @@
-// What is known of each point of a cloud beside its place: the surface's direction there, how well
-// it is known, and by how many views.
+// Details of each point of a cloud: the surface's direction there, its sigma, and its number of
+// views.
 #pragma once
 
 #include <Eigen/Core>

@@ -26,7 +26,7 @@ std::string values_text(const bus::Field& field, const void* arguments) {
   return text;
 }
 
-/// What a value may be, where each is in its range but they contradict each other.
+/// Allowed values, where each is in its range but they contradict each other.
 std::string_view agreement(std::string_view field) {
   return field == "q_IC" ? "a quaternion whose norm is within 0.001 of 1"
                          : "another point than first_px";

@@ -30,7 +30,7 @@ void add_dynamics(const RigidModel& model,
                   double scale_sigma,
                   Json* out);
 
-/// What predicted poses have beside the model's own errors.
+/// Errors of predicted poses beside the model's own.
 struct SharedErrors {
   double scale_sigma = 0.0;  ///< 1-sigma of the scale over the scale
   CameraFinding camera{};

@@ -24,7 +24,7 @@ void write_checkpoint(const Subject& subject) {
   if (subject.component == nullptr || pthread_equal(pthread_self(), subject.stepping) == 0) {
     return;
   }
-  unseal_memory();  // the program ends anyway: what writing needs may come from the machine
+  unseal_memory();  // the program ends anyway: writing may take memory from the machine
   subject.writer->write_now(*subject.component, moment_now());
 }
 

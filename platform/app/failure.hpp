@@ -1,5 +1,5 @@
-// What is still done when a run ends by a fault of its own: memory is exhausted, the reserve too,
-// or an assertion of the component failed. The state goes to the disk, then the program ends.
+// Handling of a run's own faults: memory is exhausted, the reserve too, or an assertion of the
+// component failed. The state goes to the disk, then the program ends.
 #pragma once
 
 #include "app/checkpoint_writer.hpp"

@@ -65,7 +65,7 @@ std::vector<SmoothedPose> smooth_frames(Component& component,
 }
 
 /// The frame that carries the scale may have found its pose only now, and has its best one now:
-/// that of its keyframe, or what its image gives.
+/// that of its keyframe, or the one by its image.
 void measure_scale_late(const Sequence& sequence, const ReplayLog& log, Component* component) {
   const GroundView view = view_of(*component);
   const ScaleOptions& options = view.parameters.scale;
@@ -104,7 +104,7 @@ ConfirmedLandmarks landmarks_of(const GroundView& view) {
   return landmarks;
 }
 
-/// A diameter or an edge of the shape may be what carries the scale.
+/// The scale may come from a diameter or an edge of the shape.
 void measure_scale_by_shape(Component* component) {
   const GroundView view = view_of(*component);
   const ScaleOptions& options = view.parameters.scale;
@@ -160,7 +160,7 @@ FoundShape find_shape(const GroundView& view, const std::vector<Eigen::Vector3d>
   found.shape = shape.value();
   found.body = {.R_TB = shape.value().frame.R_TB, .centroid_T = shape.value().centroid_T};
   const auto hull_work = std::make_unique<HullWork>();
-  // What the cloud does not resolve is left out of its surface.
+  // Details below the cloud's resolution are left out of its surface.
   const double tolerance = std::max(0.5 * shape.value().spacing, shape.value().thickness);
   const Result<Hull> hull = convex_hull(found.work->cloud.points_T.view(), tolerance, *hull_work);
   if (hull) {

@@ -12,7 +12,7 @@
 
 namespace polhode::platform {
 
-/// What the run has left behind, frame by frame.
+/// Results of the run, frame by frame.
 struct ReplayLog {
   std::span<const MotionState> published;
   std::span<const FrameUse> uses;

@@ -12,8 +12,8 @@
 namespace polhode::platform {
 namespace {
 
-/// What turns the kernel's monotonic clock into UTC, as it is now. Taken once: a clock that is set
-/// later must not make time jump.
+/// Offset from the kernel's monotonic clock to UTC. Taken once: a clock that is set later must not
+/// make time jump.
 std::int64_t utc_offset_ns() { return clock_ns(CLOCK_REALTIME) - clock_ns(CLOCK_MONOTONIC); }
 
 V4l2Options device_options(const DeviceOptions& device, const CameraParameters& camera) {

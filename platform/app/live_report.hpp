@@ -1,5 +1,5 @@
-// How a live run fares, for people: a line on stderr when something happens and every few seconds,
-// and run.json.
+// Reports on a live run: a line on stderr when something happens and every few seconds, and
+// run.json.
 #pragma once
 
 #include <array>

@@ -31,7 +31,7 @@ WriteFailures write_failures(const LiveParts& parts) {
           .streamed = parts.transports.refused_by_disk()};
 }
 
-/// What it did not take, at once: to people, and on the bus.
+/// Reports failed writes at once: on stderr, and on the bus.
 void notify_disk(LiveParts& parts, std::int64_t now_ns) {
   const WriteFailures failures = write_failures(parts);
   if (parts.report.written(failures, now_ns)) {

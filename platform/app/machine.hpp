@@ -1,4 +1,4 @@
-// What this process has taken from the machine so far.
+// Resources that this process has taken from the machine so far.
 #pragma once
 
 #include <cstdint>

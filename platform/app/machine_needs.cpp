@@ -58,7 +58,8 @@ void add_sequence(const Sequence& sequence, MachineNeeds* needs) {
   // 200 bytes a column for a JPEG (tests/platform/v4l2/jpeg_decoder_test.cpp), 32 for a PNG.
   constexpr std::size_t kTables = std::size_t{128} << 10U;
   constexpr std::size_t kPerColumn = 256;
-  // In one piece: what the heap surely finds is up to a sixteenth less than what is free.
+  // In one piece: a block that the heap surely finds is up to a sixteenth smaller than the free
+  // memory.
   const std::size_t whole = sequence.decoder_bytes + sequence.decoder_bytes / 16;
   needs->decoder_bytes =
       kTables + kPerColumn * static_cast<std::size_t>(sequence.camera.width_px) + whole;

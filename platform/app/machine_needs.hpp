@@ -12,7 +12,7 @@ namespace polhode::platform {
 /// Of packets that wait for a reader, and of the image of the servicer's own.
 MachineNeeds transport_needs(const TransportOptions& options, const CameraParameters& camera);
 
-/// Adds what frames from files take.
+/// Adds the needs of frames from files.
 void add_sequence(const Sequence& sequence, MachineNeeds* needs);
 
 /// Of a live run.

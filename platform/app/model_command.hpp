@@ -17,7 +17,8 @@ struct ModelSaveArguments {
 /// @throws UnusableInput, RunFailure.
 void save_model(const ModelSaveArguments& arguments);
 
-/// A few lines on what a model holds. @throws UnusableInput where it is not whole.
+/// A few lines on a model's content.
+/// @throws UnusableInput where it is not whole.
 std::string describe_model(const std::filesystem::path& file);
 
 /// Prints them.

@@ -57,7 +57,7 @@ constexpr const char* unit_of(const TargetModelFacts& f) {
 }
 
 std::string inertia_line(const TargetModelFacts& f) {
-  // Half of the prior's sigma: three quarters of what is known is from the poses.
+  // Half of the prior's sigma: then three quarters of the information is from the poses.
   if (!f.body.known || !(f.body.shape_sigma.maxCoeff() <= 0.5 * kShapeSigma)) {
     return "inertia ratios: unknown\n";
   }

@@ -1,4 +1,4 @@
-// What of every image is the servicer's own, from an image that the operator has drawn.
+// Reads the servicer's own structure in the image, from an image that the operator has drawn.
 #pragma once
 
 #include <cstddef>

@@ -18,7 +18,7 @@
 namespace polhode::platform {
 namespace {
 
-/// What the codes among an event's numbers mean, "IDLE to ACQUIRING"; empty where there are none.
+/// Meaning of the codes among an event's numbers, "IDLE to ACQUIRING"; empty where there are none.
 std::string event_words(const bus::Layout& layout, const void* packet) {
   if (&layout != &bus::EventPacket::layout()) {
     return "";

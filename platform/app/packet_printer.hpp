@@ -17,7 +17,7 @@ struct PrinterOptions {
   int apid_first = 0x1A0;
 };
 
-/// Prints packets one by one on standard output and counts what was wrong.
+/// Prints packets one by one on standard output and counts errors.
 class PacketPrinter {
  public:
   explicit PacketPrinter(PrinterOptions options) : options_(std::move(options)) {}
@@ -63,8 +63,8 @@ class PacketPrinter {
 /// A stream that arrives in pieces, cut into packets.
 class StreamReader {
  public:
-  /// @param more    what arrived
-  /// @param at_end  nothing will follow: what is left is damage
+  /// @param more    the octets that arrived
+  /// @param at_end  nothing will follow: the rest is damage
   void add(std::span<const std::uint8_t> more, bool at_end, PacketPrinter& printer);
 
  private:

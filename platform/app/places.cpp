@@ -32,7 +32,7 @@ struct Place {
       fmt::format("{}: {}: {}: {}", place.config.string(), place.key, place.path.string(), why));
 }
 
-/// What the call throws, with the place's key.
+/// Passes on exceptions of the call, with the place's key.
 template <typename Call>
 auto of_place(const Place& place, Call call) {
   return named(fmt::format("{}: {}", place.config.string(), place.key), call);

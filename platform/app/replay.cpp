@@ -88,7 +88,7 @@ class Pace {
   Clock::time_point start_ = Clock::now();
 };
 
-/// What a replay works with from its first frame to its last.
+/// State of a replay from its first frame to its last.
 struct Run {
   const Sequence& sequence;
   const ServicerAttitude& servicer;
@@ -106,7 +106,7 @@ struct Run {
   std::unique_ptr<MaskLog> masks;  ///< only on request
 };
 
-/// What the frames cost.
+/// Timings of the frames.
 struct RunCost {
   MachineUse at_start;
   MachineUse after_frames;

@@ -188,7 +188,7 @@ void open_checkpoint(const RunOptions& options,
   }
 }
 
-/// Who may give commands, where that is not plain.
+/// Reports who may give commands, where the configuration leaves it open.
 void report_commands(const CommandPorts& ports) {
   if (ports.open_to_all()) {
     report_line(

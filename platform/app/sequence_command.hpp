@@ -1,5 +1,5 @@
-// polhode sequence: a sequence's tables as JSON, for programs that evaluate or show a replay.
-// So there is one reader of them, and what replays is what others see.
+// polhode sequence: a sequence's tables as JSON, for programs that evaluate or show a replay. So
+// there is one reader of them for all programs.
 #pragma once
 
 #include <filesystem>

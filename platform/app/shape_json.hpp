@@ -1,4 +1,4 @@
-// shape.json: what the target looks like, in numbers.
+// shape.json: the target's shape, in numbers.
 #pragma once
 
 #include <filesystem>
@@ -18,7 +18,7 @@ struct ShapeReport {
   const Shape* shape = nullptr;  ///< null: there is none, for `reason`
   std::string reason;
   const Hull* surface = nullptr;  ///< null: the points enclose nothing
-  ScaleOptions scale_options{};   ///< what was given
+  ScaleOptions scale_options{};   ///< as configured
   ScaleState scale{};
 };
 

@@ -84,7 +84,7 @@ PoseSample in_body(const AbsolutePose& absolute,
           .covariance = by_T * scaled(absolute.covariance, unit) * by_T.transpose()};
 }
 
-/// What is known of the motion at one frame, in I.
+/// The motion at one frame, in I.
 struct AtFrame {
   std::optional<PoseSample> pose;  ///< with the error that poses of one side share
   std::optional<RateEstimate> rates;

@@ -106,7 +106,7 @@ Json memory(const SummaryInput& input) {
             {"peak_resident_after_last_frame_octets", input.after_frames.peak_resident_bytes}}}};
 }
 
-/// Before the start, and what came out at the end.
+/// Memory before the first frame, and at the end.
 Json warnings(const SummaryInput& input) {
   Json out = input.sequence.warnings;
   for (const std::string& remark : input.remarks) {
@@ -119,12 +119,12 @@ Json warnings(const SummaryInput& input) {
   return out;
 }
 
-/// What else the packets depend on.
+/// Further inputs that determine the packets.
 Json own_structure(const OwnStructureFile& own) {
   return own.present() ? Json{{"sha256", own.sha256()}, {"part_of_picture", own.part()}} : Json();
 }
 
-/// Each with what fits beside those that are contradicted; null where there was no test.
+/// Each deviation as fitted beside the contradicted ones; null where there was no test.
 Json deviations(const CameraReport& report) {
   constexpr std::array<const char*, kDeviations> kNames = {"log_focal_length",
                                                            "log_zoom",

@@ -1,4 +1,4 @@
-// summary.json: what a run was, what it did, what it cost.
+// summary.json: description, results and cost of a run.
 #pragma once
 
 #include <filesystem>
@@ -37,8 +37,8 @@ struct SummaryInput {
   double finish_s = 0.0;  ///< of the re-estimation at the end
 };
 
-/// One plain sentence: was the target acquired, on how many frames is there a pose, how does it
-/// turn; and what the map contradicts of the stated camera.
+/// One plain sentence: was the target acquired, on how many frames is there a pose, its rotation;
+/// and the contradicted values of the stated camera.
 std::string result_sentence(const RunRecord& record,
                             const Counters& counters,
                             const CameraParameters& camera);

@@ -1,4 +1,4 @@
-// What libjpeg remarks on while it decodes: is the image damaged, or is all of it there?
+// Classifies libjpeg's warnings while it decodes: is the image damaged, or complete?
 #pragma once
 
 #include <cstdio>  // jpeglib.h needs FILE

@@ -10,8 +10,8 @@
 namespace polhode::platform {
 namespace {
 
-// Chosen, of an image's side. Sensors and lenses are centred to some per cent. What is cut out of
-// a larger image may be farther off.
+// Chosen, of an image's side. Sensors and lenses are centred to some per cent. A crop of a larger
+// image may be farther off.
 constexpr double kOffCentreMax = 0.15;
 // Chosen: the pixels of cameras are squares, those of analogue video up to 1.1 wide.
 constexpr double kPixelRatioMax = 1.2;
@@ -122,7 +122,7 @@ std::string distortion(const CameraParameters& c) {
   for (int i = 1; i <= kSteps; ++i) {
     const double r = kFarthest * corner * i / kSteps;
     if (r * (1.0 + c.k1 * r * r + c.k2 * r * r * r * r) >= corner) {
-      return "";  // what lies farther out is not in the image
+      return "";  // points farther out are not in the image
     }
     if (1.0 + 3.0 * c.k1 * r * r + 5.0 * c.k2 * r * r * r * r <= 0.0) {
       return fmt::format(

@@ -55,7 +55,7 @@ class LiveCamera {
   [[nodiscard]] virtual bool frames_wait() const { return false; }
 
   [[nodiscard]] virtual const CameraCounters& counters() const = 0;
-  /// One line: what state the camera is in, and why.
+  /// One line: the camera's state, and the reason.
   [[nodiscard]] virtual std::string_view state() const = 0;
 
   /// Requests another exposure and gain; a camera without these controls ignores it.

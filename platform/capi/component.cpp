@@ -28,7 +28,7 @@ struct polhode_job {
 struct polhode_component {
   polhode::Component* component = nullptr;
   std::array<polhode_job, POLHODE_JOBS_MAX> jobs{};
-  bool failed = false;  ///< a step was left by an exception: what the tables hold is unknown
+  bool failed = false;  ///< a step was left by an exception: the content of the tables is unknown
 };
 
 namespace {

@@ -15,7 +15,7 @@ inline void write_problem(std::string_view text, char* problem, std::size_t byte
   }
 }
 
-/// What the libraries throw ends here.
+/// Exceptions of the libraries end here.
 template <typename Work>
 polhode_status guarded(Work work) noexcept {
   try {

@@ -23,8 +23,8 @@ std::string toml_text(const toml::node& node) {
   return cited(out.str());
 }
 
-/// Writes a TOML value into a parameter. Each overload returns what would have been allowed, or
-/// nothing when it fits.
+/// Writes a TOML value into a parameter. Each overload returns the allowed values, or nothing when
+/// it fits.
 struct Assign {
   const toml::node& node;
   Parameters& parameters;

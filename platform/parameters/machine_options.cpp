@@ -80,7 +80,8 @@ std::string range_text(const Row& row) {
   return row.low == row.high ? std::string() : fmt::format("{} .. {}", row.low, row.high);
 }
 
-/// Writes a TOML value into an option. @return what would have been allowed, or nothing.
+/// Writes a TOML value into an option.
+/// @return the allowed values, or nothing when it fits.
 struct AssignOption {
   const toml::node& node;
   const Row& row;

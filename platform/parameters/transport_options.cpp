@@ -15,7 +15,7 @@ namespace {
 constexpr const char* kText = "a text";
 constexpr std::string_view kOwnStructureKey = "mask.file";
 
-/// Where a value stands and what it is called, for messages.
+/// Place and name of a value, for messages.
 struct Place {
   std::string source;
   std::string key;

@@ -1,4 +1,5 @@
-// A recorded run as a sequence in the ASL layout, with what else a replay needs for the same bytes.
+// Exports a recorded run as a sequence in the ASL layout, with all inputs that a replay needs for
+// the same bytes.
 #pragma once
 
 #include <cstdint>
@@ -41,7 +42,7 @@ ExportReport export_run(const RecordedRun& run, const std::filesystem::path& fol
 /// True when a replay of the export, as it is, gives the bytes of the live run.
 bool replays_to_the_same_bytes(const ExportReport& report);
 
-/// What the recording has lost, as in "41 bytes damaged, 2 frames not recorded"; else empty.
+/// Losses of the recording, as in "41 bytes damaged, 2 frames not recorded"; else empty.
 std::string losses_of(const ExportReport& report);
 
 }  // namespace polhode::platform

@@ -1,4 +1,4 @@
-// Reads a recording back: record by record over its files, passing over what is damaged.
+// Reads a recording record by record over its files, skipping damage.
 #pragma once
 
 #include <cstdint>

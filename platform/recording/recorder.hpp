@@ -1,5 +1,5 @@
-// Writes down what a run's packets depend on: accepted frames, drops, commands, and the state it
-// started from. The frame's thread copies into a ring; another thread compresses and writes.
+// Records the inputs of a run's packets: accepted frames, drops, commands, and the initial state.
+// The frame's thread copies into a ring; another thread compresses and writes.
 #pragma once
 
 #include <array>
@@ -35,10 +35,11 @@ struct RecorderCounters {
 
 class Recorder {
  public:
-  /// What its images need.
+  /// Needs of its images.
   static std::size_t bytes_needed(std::size_t slots, std::size_t frame_bytes_max);
 
-  /// Takes all memory that it will need. @param begin what the run's parameters are, as text.
+  /// Takes all memory that it will need.
+  /// @param begin the run's parameters, as text.
   /// @throws RunFailure when the folder cannot be used.
   Recorder(const RecorderOptions& options, std::string begin, std::size_t frame_bytes_max);
   ~Recorder();

@@ -20,7 +20,7 @@ struct SegmentLimits {
 /// of time.
 class Segments {
  public:
-  /// Looks at what is in the folder already; makes it if need be.
+  /// Reads the content of the folder, which is made if need be.
   /// @param run_utc_ns identifies this run's files.
   /// @throws RunFailure when the folder cannot be made or read.
   Segments(const std::filesystem::path& folder,

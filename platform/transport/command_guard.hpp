@@ -1,4 +1,4 @@
-// Which datagrams at a command port are commands of somebody who may give them.
+// Decides which datagrams at a command port are commands of an authorised sender.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ struct CommandSettings {
   bool unauthenticated = false;  ///< without a key, UDP takes commands from anybody
 };
 
-/// What became of the datagrams that arrived.
+/// Counts of the datagrams that arrived.
 struct CommandCounts {
   std::uint32_t received = 0;
   std::uint32_t passed = 0;            ///< to the component, which has its own checks

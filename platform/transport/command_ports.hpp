@@ -15,8 +15,8 @@
 namespace polhode::platform {
 
 /// Ports take turns, a command each, so a flood at one leaves the others their share of a step.
-/// What is refused takes nobody's place, and no more than kReads datagrams are read from a port
-/// for one step: what a flood costs is bounded, and known.
+/// Refused datagrams take no place, and at most kReads datagrams are read from a port for one step:
+/// the cost of a flood is bounded.
 class CommandPorts {
  public:
   /// Datagrams of one port for one step. Chosen: eight for each command that a step takes. A MAC

@@ -15,7 +15,7 @@ int depth_for(unsigned level);
 /// Of a 16-bit image.
 unsigned largest_level(const DecodedImage& image);
 
-/// For people: what the levels were taken for; empty where nothing is changed.
+/// A remark on the assumed depth of the levels; empty where nothing is changed.
 std::string depth_remark(int depth_bits);
 
 /// Shifts the levels up, so that the largest one is nearly full scale. Nothing for 8-bit images.

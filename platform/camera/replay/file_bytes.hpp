@@ -20,9 +20,9 @@ std::optional<std::string> read_file(const std::filesystem::path& file,
                                      std::vector<std::uint8_t>& bytes,
                                      std::size_t bytes_max = kFileBytesMax);
 
-/// The same at a start, without which nothing begins.
-/// @param what  names the file in what is thrown.
-/// @throws UnusableInput, or RunFailure for what may pass, as fail_at_start() has it.
+/// The same at a start, where a missing file is fatal.
+/// @param what  names the file in exceptions.
+/// @throws UnusableInput, or RunFailure for a fault that may pass, as fail_at_start() has it.
 void read_file_at_start(const std::filesystem::path& file,
                         const std::string& what,
                         std::vector<std::uint8_t>& bytes,

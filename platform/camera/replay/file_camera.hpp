@@ -32,13 +32,13 @@ class FileCamera {
     return refusal_;
   }  ///< why that frame is not readable
 
-  /// For people: how many images EXIF would turn, which is not done; empty: none.
+  /// A remark on images that EXIF would turn, which is not done; empty: none.
   [[nodiscard]] std::string orientation_remark() const;
 
-  /// For people: how many images hold levels beyond the depth, which are cut; empty: none.
+  /// A remark on images with levels beyond the depth, which are cut; empty: none.
   [[nodiscard]] std::string depth_remark() const;
 
-  /// For people: how many images have 8 bits a level where others have 16; empty: all are alike.
+  /// A remark on images of 8 bits a level among those of 16; empty: all are alike.
   [[nodiscard]] std::string mixed_remark() const;
 
  private:

@@ -26,7 +26,7 @@ double contrast_of(const MosaicCells& cells);
 /// Nothing where the places do not differ, or not alike all over the image.
 std::optional<MosaicCells> mosaic_of(const DecodedImage& image);
 
-/// For people: what was found, and what is done.
+/// A remark on a mosaic and its handling.
 std::string mosaic_remark(double contrast, MosaicChoice choice);
 
 /// Takes a mosaic out of images of one width; its rows are acquired once.
@@ -34,8 +34,8 @@ class MosaicFilter {
  public:
   explicit MosaicFilter(int width_px);
 
-  /// Each pixel becomes the mean of what is around it, 1-2-1 along rows and columns: whatever the
-  /// pattern of 2x2 pixels, its mean is left. Nothing moves.
+  /// Replaces each pixel by the mean around it, 1-2-1 along rows and columns: whatever the pattern
+  /// of 2x2 pixels, its mean is left. Nothing moves.
   void level(DecodedImage* image);
 
  private:

@@ -83,7 +83,7 @@ class SensorFile {
   }
 
   /// A number above zero; none where the field is missing.
-  /// @param problem  what else stands there, in one line; empty where nothing does
+  /// @param problem  description of another content, in one line; empty where there is none
   [[nodiscard]] std::optional<double> positive(const char* field, std::string* problem) const {
     const YAML::Node node = root_[field];
     double value = 0.0;
@@ -189,7 +189,7 @@ double line_time_ns(const SensorFile& file) {
   return file.is_set("line_time_ns") ? file.number("line_time_ns") : 0.0;
 }
 
-/// Letters and digits alone, small ones: how a name is compared that somebody else chose.
+/// Letters and digits alone, in lower case, for the comparison of names in foreign files.
 std::string plain(const std::string& name) {
   std::string letters;
   for (const char c : name) {
@@ -231,7 +231,7 @@ std::string rolling_shutter(const SensorFile& file) {
   return found == names.end() ? "" : fmt::format("{}: {}", cited(*found), kLimit);
 }
 
-/// What the program can go by, and is likely to be wrong.
+/// Adds warnings about fields that are usable but likely to be wrong.
 void add_warnings(const SensorFile& file, Sensor* sensor) {
   std::string problem;
   sensor->rate_hz = file.positive("rate_hz", &problem);

@@ -1,4 +1,4 @@
-// An image sequence on disk (ASL layout): what was taken when, and by which camera.
+// An image sequence on disk (ASL layout): time stamps, image files and the camera.
 #pragma once
 
 #include <cstddef>
@@ -33,7 +33,7 @@ struct Sequence {
   bool mosaic = false;                ///< one is to be taken out of the images (mosaic.hpp)
   std::size_t file_bytes_max = 0;  ///< of the frames' files, those beyond frame_bytes_max() aside
   std::size_t decoder_bytes = 0;   ///< as ImageHeader's, of the first image
-  std::vector<std::string> warnings;  ///< what is likely to be wrong, one line each with its file
+  std::vector<std::string> warnings;  ///< likely mistakes, one line each with its file
 };
 
 /// A larger file is no frame of this camera: colour with alpha of 16 bits, stored raw, has 8 bytes

@@ -19,7 +19,7 @@ struct v4l2_capability;
 
 namespace polhode::platform {
 
-/// As much as a driver gives (V4L2 itself allows 32).
+/// The number of buffers that drivers give (V4L2 itself allows 32).
 inline constexpr std::size_t kDeviceBuffers = 32;
 
 struct DeviceRequest {
@@ -79,7 +79,8 @@ class DeviceStream {
   void close();
   [[nodiscard]] bool is_open() const { return device_ >= 0; }
 
-  /// Waits for a filled buffer and takes it. @param timeout_ms 0: only what is ready.
+  /// Waits for a filled buffer and takes it.
+  /// @param timeout_ms 0: without waiting.
   TakeResult take(int timeout_ms, TakenBuffer* taken);
   /// @return false when the device does not take it: the stream is no more.
   bool give_back(std::uint32_t index);

@@ -28,7 +28,7 @@ struct PixelPacking {
   int bits = 8;             ///< significant bits of a gray value
   int bytes_per_pixel = 1;  ///< of a whole buffer, rounded up; 0: compressed
   std::string_view name;
-  int group_pixels = 1;  ///< a row has groups of so many pixels
+  int group_pixels = 1;  ///< pixels in a group of a row
   int group_bytes = 1;
 };
 
@@ -36,8 +36,8 @@ struct PixelPacking {
 /// at.
 std::uint32_t row_bytes_of(const PixelPacking& packing, int width_px);
 
-/// In order of preference: what needs no copy first, more bits before fewer (though the estimator
-/// looks at the upper eight), what is lossy last.
+/// In order of preference: formats without a copy first, more bits before fewer (though the
+/// estimator looks at the upper eight), lossy ones last.
 std::span<const PixelPacking> pixel_packings();
 const PixelPacking* find_packing(std::uint32_t fourcc);
 const PixelPacking* find_packing(std::string_view name);

@@ -5,7 +5,7 @@
 
 namespace polhode::platform {
 
-/// What the time stamp of a buffer marks.
+/// Moment that the time stamp of a buffer marks.
 enum class StampedAt : std::uint8_t {
   kStartOfExposure,
   kEndOfFrame,  ///< the last pixel has arrived
@@ -44,7 +44,7 @@ class SequenceWatch {
   std::uint32_t last_ = 0;
 };
 
-/// When to try again what failed: soon at first, then in steps that double up to a bound.
+/// Times of retries after a failure: soon at first, then at intervals that double up to a bound.
 class Backoff {
  public:
   static constexpr std::int64_t kFirst_ns = 50'000'000;

@@ -31,7 +31,7 @@ constexpr std::size_t rounded(std::size_t bytes) {
 /// Memory that is given out piece by piece, and taken back as a whole.
 struct Arena {
   std::vector<std::byte> bytes;
-  std::size_t begin = 0;  ///< of what is aligned
+  std::size_t begin = 0;  ///< of the aligned part
   std::size_t used = 0;
   std::size_t peak = 0;
 
@@ -56,7 +56,7 @@ struct JpegDecoder::State {
   jpeg_decompress_struct decoder{};
   jpeg_error_mgr errors{};
   jpeg_memory_mgr memory{};
-  jpeg_memory_mgr* own_memory = nullptr;  ///< the library's, for what it took when it was made
+  jpeg_memory_mgr* own_memory = nullptr;  ///< the library's, for its memory at creation
   std::jmp_buf failed{};
   const JOCTET* file = nullptr;  ///< that is being decoded
   Arena permanent{kPermanentBytes};

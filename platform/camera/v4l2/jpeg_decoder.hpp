@@ -1,5 +1,5 @@
-// JPEG images of one size to gray, in memory that is taken at start: what a camera that delivers
-// compressed frames needs thirty times a second.
+// Decodes JPEG images of one size to gray, in memory that is taken at start: for a camera that
+// delivers thirty compressed frames a second.
 #pragma once
 
 #include <cstddef>

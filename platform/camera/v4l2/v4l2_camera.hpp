@@ -39,10 +39,10 @@ class V4l2Camera final : public LiveCamera {
   /// No longer than the time from frame to frame.
   [[nodiscard]] CameraExposure exposure() const override;
 
-  /// One attempt, at once. Called at start, so that a device that will never do is refused there.
-  /// The device that streamed first is the camera from then on: one that was unplugged may come
-  /// back under another number (its own is taken as long as somebody holds the old node), and is
-  /// looked for there; another device is not taken.
+  /// One attempt, at once. Called at start, so that an unusable device is refused there. The device
+  /// that streamed first is the camera from then on. One that was unplugged may return under
+  /// another number (its own is taken as long as a process has the old node open), and is searched
+  /// for there; another device is not taken.
   OpenResult open();
   [[nodiscard]] const DeviceStream& stream() const { return stream_; }
 

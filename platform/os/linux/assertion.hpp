@@ -1,4 +1,4 @@
-// What an assertion of the component that fails leaves behind.
+// Reports a failed assertion of the component on stderr.
 #pragma once
 
 #include "base/assert.hpp"

@@ -7,8 +7,8 @@
 
 namespace polhode::platform {
 
-/// What the clock shows now: CLOCK_MONOTONIC, CLOCK_REALTIME (UTC), or the processor time of the
-/// calling thread by CLOCK_THREAD_CPUTIME_ID. All three are there on every Linux: no error.
+/// The present time of CLOCK_MONOTONIC, CLOCK_REALTIME (UTC), or the processor time of the calling
+/// thread by CLOCK_THREAD_CPUTIME_ID. All three are there on every Linux: no error.
 inline std::int64_t clock_ns(clockid_t clock) {
   timespec now{};
   (void)::clock_gettime(clock, &now);

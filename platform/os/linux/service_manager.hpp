@@ -25,7 +25,7 @@ class ServiceManager {
   /// of the watchdog's time has passed since the last notification.
   void progress(std::int64_t now_ns);
 
-  /// 0: nobody watches.
+  /// 0: there is no watchdog.
   [[nodiscard]] std::int64_t watchdog_ns() const { return watchdog_ns_; }
 
  private:

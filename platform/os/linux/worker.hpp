@@ -58,7 +58,7 @@ class Worker {
   /// The jobs that name this step, run to their end: waits for them.
   Jobs due(std::uint32_t step);
 
-  /// Waits for what is not done yet; no job is then the worker's.
+  /// Waits for unfinished jobs; no job is then the worker's.
   void finish();
 
   [[nodiscard]] const WorkerState& state() const { return state_; }

@@ -39,7 +39,7 @@ class SocketFile {
 /// Has a sender an address of its own, that a reader can answer to?
 enum class SenderName : std::uint8_t { kNone, kBesideReader };
 
-/// What became of the packets handed to one transport.
+/// Counts of the packets handed to one transport.
 struct SendCounts {
   std::uint64_t sent = 0;
   std::uint64_t dropped = 0;    ///< the reader is there but has had no room for long
@@ -98,7 +98,7 @@ class DatagramSender {
   SendCounts counts_;
 };
 
-/// A datagram, and who sent it.
+/// A datagram, and its sender.
 struct Received {
   std::size_t octets = 0;
   bool uid_known = false;  ///< by the system, of a Unix socket's

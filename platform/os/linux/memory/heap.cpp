@@ -127,7 +127,7 @@ Heap::Block* Heap::find(std::size_t bytes) {
   return free_[at.first][static_cast<unsigned>(std::countr_zero(seconds))];
 }
 
-/// Cuts a block that is in no list; what remains behind `bytes` becomes free.
+/// Cuts a block that is in no list; the rest behind `bytes` becomes free.
 Heap::Block* Heap::split(Block* block, std::size_t bytes) {
   if (block->size() < bytes + Block::kHeader + Block::kLeast) {
     return block;

@@ -19,7 +19,7 @@ constexpr std::size_t kEarlyBytes = std::size_t{8} << 20;  // constructors of th
 constexpr std::size_t kGrowthBytes = std::size_t{16} << 20;
 constexpr std::size_t kGrowthsMax = 256;
 
-/// A heap that threads may share. The lock passes on the priority of who waits for it.
+/// A heap that threads may share. The lock passes on the priority of waiting threads.
 struct Area {
   Heap heap;
   pthread_mutex_t mutex;
@@ -72,7 +72,7 @@ Area* area_of(const void* p) {
       return &g_growths[i];
     }
   }
-  // Memory that is not ours was never handed out here: whoever releases it has gone wrong.
+  // Memory that is not ours was never handed out here: releasing it is a mistake.
   std::abort();
 }
 

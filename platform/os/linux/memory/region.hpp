@@ -14,8 +14,8 @@
 
 namespace polhode::platform {
 
-/// kGeneral: whatever is not one of the others. kStep: libraries called within step(). kJobs: those
-/// called by jobs. kReserve: what overflows from the others after the seal.
+/// kGeneral: everything else. kStep: libraries called within step(). kJobs: those called by jobs.
+/// kReserve: overflow of the others after the seal.
 enum class Pool : std::uint8_t { kGeneral, kStep, kJobs, kReserve };
 inline constexpr std::size_t kPoolCount = 4;
 const char* pool_name(Pool pool);
