@@ -134,7 +134,7 @@ Repair repair(const CameraModel& camera, std::int64_t now_ns, Map* map) {
     if (map->keyframe_count >= kKeyframesMin && map->landmark_count >= kLandmarksMin) {
       refresh_landmarks(map, camera);
     }
-    done.entries = std::max(done.entries, 1U);  // the extent, where nothing else was damaged
+    done.entries = std::max(done.entries, 1U);  // at least one: the extent
   }
   done.reset = !counted || map->keyframe_count < kKeyframesMin ||
                map->landmark_count < kLandmarksMin || !is_valid(*map, camera, now_ns);
