@@ -38,7 +38,7 @@ class Cropped : public ::testing::Test {
  protected:
   const Crop& crop_of(const cv::Mat& gray, const std::vector<Feature>& features) {
     keep_crop(gray, ++frame_, features, crops_.get());
-    return crops_->held[static_cast<std::size_t>(find_crop(frame_, *crops_))];
+    return crops_->kept[static_cast<std::size_t>(find_crop(frame_, *crops_))];
   }
   std::unique_ptr<Crops> crops_ = std::make_unique<Crops>();
   std::uint32_t frame_ = 0;

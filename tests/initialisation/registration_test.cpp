@@ -20,7 +20,7 @@ std::unique_ptr<Crop> whole(const cv::Mat& gray) {
       {.u_px = 0.0F, .v_px = 0.0F},
       {.u_px = static_cast<float>(gray.cols - 1), .v_px = static_cast<float>(gray.rows - 1)}};
   keep_crop(gray, 1, corners, crops.get());
-  return std::make_unique<Crop>(crops->held[0]);
+  return std::make_unique<Crop>(crops->kept[0]);
 }
 
 class RegisterPatch : public ::testing::Test {
