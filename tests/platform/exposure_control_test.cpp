@@ -113,9 +113,9 @@ TEST(ExposureControl, GoesUpAfterDarkFrames_DownAfterSaturatedOnes_AndNowhereAft
 unsigned changes_after(FrameUse use, const cv::Mat& image, bool behind, LinearCamera* camera) {
   Stepped stepped(use);
   Component::State& s = *stepped.state;
-  s.image.gray = image;
-  find_target(image, s.configuration.parameters.mask, &s.image.mask);
-  s.image.mask_state.behind = behind;
+  s.picture.gray = image;
+  find_target(image, s.configuration.parameters.mask, &s.picture.mask);
+  s.picture.mask_state.behind = behind;
   ExposureControl control({.enabled = true, .gain_factor_max = kGainFactor});
   for (int frame = 0; frame < 4; ++frame) {
     control.after(stepped.out, view_of(s), *camera);
