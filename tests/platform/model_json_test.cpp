@@ -159,7 +159,7 @@ TEST(ModelJson, InPaperModeHasNoFit) {
 TEST(ServicerAttitude, WithoutAFileIsHeld) {
   const TemporaryFolder folder;
   const auto attitude = ServicerAttitude::of_sequence(folder.path());
-  EXPECT_FALSE(attitude.reported(5).has_value());
+  EXPECT_FALSE(attitude.attitude_at(5).has_value());
 }
 
 TEST(ServicerAttitude, IsInterpolatedAndHeldAtItsEnds) {
@@ -168,7 +168,7 @@ TEST(ServicerAttitude, IsInterpolatedAndHeldAtItsEnds) {
       << "#timestamp_ns,q_IC_w,q_IC_x,q_IC_y,q_IC_z\n100,1,0,0,0\n200,0.5,0,0,0.8660254037844386\n";
   const auto attitude = ServicerAttitude::of_sequence(folder.path());
   EXPECT_NEAR(attitude.q_IC(150).z(), 0.5, 1e-12);  // half of 120 deg about z
-  EXPECT_EQ(attitude.reported(50), (std::array<double, 4>{1.0, 0.0, 0.0, 0.0}));
+  EXPECT_EQ(attitude.attitude_at(50), (std::array<double, 4>{1.0, 0.0, 0.0, 0.0}));
   EXPECT_NEAR(attitude.q_IC(300).w(), 0.5, 1e-12);
 }
 
