@@ -11,7 +11,7 @@ namespace polhode::limits {
 inline constexpr std::size_t kFeatures = 1000;
 
 // Pixels of the working image, in which features are detected: the default, 580,000, rounded up.
-// Its scale space takes 32 octets a pixel.
+// Its scale space takes 32 bytes a pixel.
 inline constexpr std::size_t kWorkingPixels = 600000;
 
 // The longer side of that image. Chosen: twice a side of 1920 px, for a boom across the image.
@@ -31,7 +31,7 @@ inline constexpr std::size_t kLandmarks = 6000;
 
 // Frames that an initialisation can look back on. They are collected every 2 deg of rotation at the
 // soonest, so they span 62 deg or more. Hypothesis selection keeps sets of them in 32 bits.
-inline constexpr std::size_t kStartFrames = 32;
+inline constexpr std::size_t kInitialFrames = 32;
 
 // Pixels of the target's part of a kept frame: 128 x 128, which the budgets have room for. A larger
 // part is kept at a fraction of its resolution.
@@ -39,7 +39,7 @@ inline constexpr std::size_t kCropPixels = 16384;
 
 // Tracks before there is a map. Chosen: nearly twice the default's 800 features of a frame, as
 // tracks end and others begin. Larger: memory and longer selections.
-inline constexpr std::size_t kStartTracks = 1500;
+inline constexpr std::size_t kInitialTracks = 1500;
 
 // Tracks that hypotheses of a start are compared on. The cost margin to the depth-reversed solution
 // grows as N and its noise as sqrt(N), so fewer decide less; the time of the last adjustments grows
@@ -62,7 +62,7 @@ inline constexpr std::size_t kAdjustmentObservations = 600 * kKeyframes;
 // (motion.fit_poses_max). Larger: memory, and longer fits where they are used.
 inline constexpr std::size_t kMotionPoses = 512;
 
-// Octets of one packet. The largest, cloud, has 1370. With the headers of UDP and IP (28) a packet
+// Bytes of one packet. The largest, cloud, has 1370. With the headers of UDP and IP (28) a packet
 // still fits into one Ethernet frame (1500).
 inline constexpr std::size_t kPacketOctets = 1400;
 

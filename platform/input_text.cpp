@@ -3,16 +3,16 @@
 #include <algorithm>
 #include <system_error>
 
-#include "camera/replay/file_octets.hpp"
+#include "camera/replay/file_bytes.hpp"
 #include "errors.hpp"
 
 namespace polhode::platform {
 
-std::string read_text(const std::filesystem::path& file, std::size_t octets_max) {
+std::string read_text(const std::filesystem::path& file, std::size_t bytes_max) {
   constexpr std::string_view kUtf8Mark = "\xEF\xBB\xBF";
-  std::vector<std::uint8_t> octets;
-  read_file_at_start(file, file.string(), octets, octets_max);
-  const std::string_view text(reinterpret_cast<const char*>(octets.data()), octets.size());
+  std::vector<std::uint8_t> bytes;
+  read_file_at_start(file, file.string(), bytes, bytes_max);
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF")) {
     throw UnusableInput(file.string() + ": is UTF-16; allowed is UTF-8");
   }

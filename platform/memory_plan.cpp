@@ -17,27 +17,27 @@ constexpr std::size_t kMiB = std::size_t{1} << 20;
 
 // Measured with this distribution's libraries by tests/memory, which fails when one of them takes
 // more.
-constexpr std::size_t kHypothesesOctets = 3 * kMiB;
-// Of the shape's kd-trees, 26 octets a point, and all else that jobs ask for.
-constexpr std::size_t kOtherJobsOctets = kMiB / 2;
-constexpr std::size_t kPoseOctets = kMiB;
+constexpr std::size_t kHypothesesBytes = 3 * kMiB;
+// Of the shape's kd-trees, 26 bytes a point, and all other requests of jobs.
+constexpr std::size_t kOtherJobsBytes = kMiB / 2;
+constexpr std::size_t kPoseBytes = kMiB;
 constexpr std::size_t kHeapHeader = 4096;
-// The program's text, its shared libraries, their own data and what constructors ask for before the
+// The program's code, its shared libraries, their data and the memory of constructors before the
 // pools are open: 26 MiB were measured, and 3.6 MiB more with Ceres's libraries.
-constexpr std::size_t kProgramOctets = 30 * kMiB;
-constexpr std::size_t kMainStackOctets = 2 * kMiB;
+constexpr std::size_t kProgramBytes = 30 * kMiB;
+constexpr std::size_t kMainStackBytes = 2 * kMiB;
 // Configuration, files, names and tables of the program: 1.5 MiB were measured.
-constexpr std::size_t kGeneralOctets = 2 * kMiB;
+constexpr std::size_t kGeneralBytes = 2 * kMiB;
 // Frames that are in memory at a time: the one that is decoded and the one that is looked at.
-constexpr std::size_t kPictures = 2;
+constexpr std::size_t kImages = 2;
 
 std::size_t pixels(const Parameters& p) {
   return static_cast<std::size_t>(p.camera.width_px) * static_cast<std::size_t>(p.camera.height_px);
 }
 
-/// Of a working pixel: pictures and pyramids, evidence and labels, and the graph of a cut, 32
-/// octets a node and its edges. 155 were measured in a laboratory at 1080p, 132 beside the Earth.
-std::size_t mask_octets(const Parameters& p) {
+/// Of a working pixel: images and pyramids, evidence and labels, and the graph of a cut, 32
+/// bytes a node and its edges. 155 were measured in a laboratory at 1080p, 132 beside the Earth.
+std::size_t mask_bytes(const Parameters& p) {
   if (!p.mask.separates_background()) {
     return 0;
   }
@@ -48,8 +48,8 @@ std::size_t mask_octets(const Parameters& p) {
 }
 
 std::size_t adjustment_worst_case(const Parameters& p, int keyframes_max) {
-  return adjustment_octets_max(static_cast<std::size_t>(p.map.adjustment_observations_max),
-                               static_cast<std::size_t>(keyframes_max));
+  return adjustment_bytes_max(static_cast<std::size_t>(p.map.adjustment_observations_max),
+                              static_cast<std::size_t>(keyframes_max));
 }
 
 /// Within a step: of a window of the map, with as many keyframes again, twice, that are held.
@@ -61,27 +61,27 @@ std::size_t window_worst_case(const Parameters& p) {
 }
 
 std::vector<CallCost> calls(const Parameters& p, const MachineNeeds& machine) {
-  // A pyramid of three levels is 4/3 of the picture, with a border; its gradients are two 16-bit
-  // pictures of a level.
+  // A pyramid of three levels is 4/3 of the image, with a border; its gradients are two 16-bit
+  // images of a level.
   const std::size_t pyramids = 2 * (pixels(p) * 14 / 10) + 5 * pixels(p);
   return {
       {"optical flow: two pyramids and gradients", Pool::kStep, pyramids},
       {"picture, mask and region of interest", Pool::kStep, 3 * pixels(p)},
-      {"frame before, and the mask against a background", Pool::kStep, pixels(p) + mask_octets(p)},
-      {"absolute pose: hypotheses of three points", Pool::kStep, kPoseOctets},
+      {"frame before, and the mask against a background", Pool::kStep, pixels(p) + mask_bytes(p)},
+      {"absolute pose: hypotheses of three points", Pool::kStep, kPoseBytes},
       {"the largest job: an adjustment, or hypotheses",
        has_work_beside(p.jobs) ? Pool::kJobs : Pool::kStep,
        job_worst_case(p)},
       {"adjustment of a window of the map", Pool::kStep, window_worst_case(p)},
-      {"files and texts of the program", Pool::kGeneral, kGeneralOctets},
-      {"packets that wait for their readers", Pool::kGeneral, machine.general_octets},
-      {"decoding of a frame's file", Pool::kGeneral, machine.decoder_octets}};
+      {"files and texts of the program", Pool::kGeneral, kGeneralBytes},
+      {"packets that wait for their readers", Pool::kGeneral, machine.general_bytes},
+      {"decoding of a frame's file", Pool::kGeneral, machine.decoder_bytes}};
 }
 
 std::size_t sum_of(const std::vector<CallCost>& calls, Pool pool) {
   std::size_t sum = 0;
   for (const CallCost& call : calls) {
-    sum += call.pool == pool ? call.octets : 0;
+    sum += call.pool == pool ? call.bytes : 0;
   }
   return sum;
 }
@@ -103,9 +103,9 @@ std::string misfit(const MemoryPlan& plan) {
                          pool_name(pool));
     }
   }
-  if (plan.total_octets > plan.limit_octets) {
+  if (plan.total_bytes > plan.limit_bytes) {
     return fmt::format(
-        "all of it is {} octets, budget.total_mb allows {}", plan.total_octets, plan.limit_octets);
+        "all of it is {} octets, budget.total_mb allows {}", plan.total_bytes, plan.limit_bytes);
   }
   return {};
 }
@@ -114,11 +114,11 @@ std::string misfit(const MemoryPlan& plan) {
 
 std::size_t job_worst_case(const Parameters& p) {
   // Where no job leaves its step the camera is not tested.
-  const std::size_t camera =
-      has_work_beside(p.jobs) ? adjustment_octets_max(CameraJob::kObservations, CameraJob::kPoses)
-                              : 0;
-  return kOtherJobsOctets +
-         std::max({kHypothesesOctets, adjustment_worst_case(p, p.map.keyframes_max), camera});
+  const std::size_t camera = has_work_beside(p.jobs)
+                                 ? adjustment_bytes_max(CameraJob::kObservations, CameraJob::kPoses)
+                                 : 0;
+  return kOtherJobsBytes +
+         std::max({kHypothesesBytes, adjustment_worst_case(p, p.map.keyframes_max), camera});
 }
 
 MemoryPlan plan_memory(const Parameters& p, const MachineNeeds& machine) {
@@ -127,7 +127,7 @@ MemoryPlan plan_memory(const Parameters& p, const MachineNeeds& machine) {
   for (const TableNeed& table : need.tables) {
     plan.tables.push_back({std::string(table.name), table.octets});
   }
-  plan.tables_octets = need.total;
+  plan.tables_bytes = need.total;
   plan.calls = calls(p, machine);
   const auto mib = [](int value) { return static_cast<std::size_t>(value) * kMiB; };
   plan.pools = {mib(p.budget.general_mb),
@@ -138,44 +138,44 @@ MemoryPlan plan_memory(const Parameters& p, const MachineNeeds& machine) {
     plan.pools[static_cast<std::size_t>(Pool::kStep)] +=
         std::exchange(plan.pools[static_cast<std::size_t>(Pool::kJobs)], std::size_t{0});
   }
-  plan.others = {{"pictures", kPictures * pixels(p)},
-                 {"stack of the steps", kMainStackOctets},
-                 {"stack of the jobs", has_work_beside(p.jobs) ? WorkerOptions{}.stack_octets : 0},
-                 {"program and libraries", kProgramOctets}};
+  plan.others = {{"pictures", kImages * pixels(p)},
+                 {"stack of the steps", kMainStackBytes},
+                 {"stack of the jobs", has_work_beside(p.jobs) ? WorkerOptions{}.stack_bytes : 0},
+                 {"program and libraries", kProgramBytes}};
   plan.others.insert(plan.others.end(), machine.rows.begin(), machine.rows.end());
-  plan.total_octets = plan.tables_octets;
+  plan.total_bytes = plan.tables_bytes;
   for (const std::size_t pool : plan.pools) {
-    plan.total_octets += pool;
+    plan.total_bytes += pool;
   }
   for (const PlanRow& row : plan.others) {
-    plan.total_octets += row.octets;
+    plan.total_bytes += row.bytes;
   }
-  plan.limit_octets = mib(p.budget.total_mb);
+  plan.limit_bytes = mib(p.budget.total_mb);
   plan.problem = misfit(plan);
   return plan;
 }
 
 std::string text_of(const MemoryPlan& plan) {
-  const auto row = [](const std::string& name, std::size_t octets) {
-    return fmt::format("  {:<52} {:>12}\n", name, octets);
+  const auto row = [](const std::string& name, std::size_t bytes) {
+    return fmt::format("  {:<52} {:>12}\n", name, bytes);
   };
   std::string text = "own tables, octets\n";
   for (const PlanRow& table : plan.tables) {
-    text += row(table.name, table.octets);
+    text += row(table.name, table.bytes);
   }
-  text += row("all tables", plan.tables_octets) + "pools for the libraries\n";
+  text += row("all tables", plan.tables_bytes) + "pools for the libraries\n";
   for (std::size_t i = 0; i < kPoolCount; ++i) {
     text += row(pool_name(static_cast<Pool>(i)), plan.pools[i]);
   }
   text += "the most that one call takes, and its pool\n";
   for (const CallCost& call : plan.calls) {
-    text += row(fmt::format("{} ({})", call.name, pool_name(call.pool)), call.octets);
+    text += row(fmt::format("{} ({})", call.name, pool_name(call.pool)), call.bytes);
   }
   text += "the rest\n";
   for (const PlanRow& other : plan.others) {
-    text += row(other.name, other.octets);
+    text += row(other.name, other.bytes);
   }
-  text += row("in all", plan.total_octets) + row("allowed (budget.total_mb)", plan.limit_octets);
+  text += row("in all", plan.total_bytes) + row("allowed (budget.total_mb)", plan.limit_bytes);
   return text + (plan.problem.empty() ? "It fits.\n" : "It does not fit: " + plan.problem + "\n");
 }
 

@@ -9,18 +9,18 @@ namespace polhode::platform {
 namespace {
 
 constexpr std::string_view kMagic = "PLHMODEL";
-constexpr std::size_t kNumberOctets = 8;
-static_assert(kModelHeadOctets == kMagic.size() + 2 * kNumberOctets);  // octets, CRC-32
+constexpr std::size_t kNumberBytes = 8;
+static_assert(kModelHeadOctets == kMagic.size() + 2 * kNumberBytes);  // octets, CRC-32
 
 void put_number(std::uint64_t number, std::uint8_t* out) {
-  for (std::size_t i = 0; i < kNumberOctets; ++i) {
+  for (std::size_t i = 0; i < kNumberBytes; ++i) {
     out[i] = static_cast<std::uint8_t>(number >> 8 * i);
   }
 }
 
 std::uint64_t number_at(const std::uint8_t* octets) {
   std::uint64_t number = 0;
-  for (std::size_t i = 0; i < kNumberOctets; ++i) {
+  for (std::size_t i = 0; i < kNumberBytes; ++i) {
     number |= std::uint64_t{octets[i]} << 8 * i;
   }
   return number;
@@ -43,7 +43,7 @@ std::size_t save_model_octets(const Component& component, std::span<std::uint8_t
   std::copy(kMagic.begin(), kMagic.end(), out.begin());
   put_number(octets, &out[kMagic.size()]);
   put_number(crc32_iso_hdlc(out.subspan(kModelHeadOctets, octets)),
-             &out[kMagic.size() + kNumberOctets]);
+             &out[kMagic.size() + kNumberBytes]);
   return kModelHeadOctets + octets;
 }
 
@@ -58,7 +58,7 @@ std::string load_model_octets(std::span<const std::uint8_t> octets,
   }
   const std::span<const std::uint8_t> content = octets.subspan(kModelHeadOctets);
   if (number_at(&octets[kMagic.size()]) != content.size() ||
-      number_at(&octets[kMagic.size() + kNumberOctets]) != crc32_iso_hdlc(content)) {
+      number_at(&octets[kMagic.size() + kNumberBytes]) != crc32_iso_hdlc(content)) {
     return "cut off or damaged";
   }
   const Result<TargetModelFacts> loaded = load_target_model(content, component);

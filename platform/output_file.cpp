@@ -21,8 +21,8 @@ OutputFile::OutputFile(const std::filesystem::path& file,
   }
 }
 
-void OutputFile::write(const void* data, std::size_t octets) {
-  if (octets != 0 && std::fwrite(data, 1, octets, stream_.get()) != octets) {
+void OutputFile::write(const void* data, std::size_t bytes) {
+  if (bytes != 0 && std::fwrite(data, 1, bytes, stream_.get()) != bytes) {
     fail();
   }
 }

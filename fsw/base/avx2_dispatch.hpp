@@ -14,14 +14,15 @@ template <class Work>
   return work();
 }
 
-/// @param work  a callable without parameters, whose functions this source file holds.
+/// @param work  a callable without parameters; the functions that it calls are defined in the same
+/// source file.
 template <class Work>
-auto widely(const Work& work) {
+auto with_avx2(const Work& work) {
   return has_avx2() ? run_avx2(work) : work();
 }
 #else
 template <class Work>
-auto widely(const Work& work) {
+auto with_avx2(const Work& work) {
   return work();
 }
 #endif

@@ -17,7 +17,7 @@ namespace polhode {
 /// Worse than any score.
 inline constexpr double kNoScore = 1e300;
 
-/// Draws after which, but for a probability of `missed`, one has held inliers only.
+/// Draws after which, but for a probability of `missed`, one had inliers only.
 /// @param inliers  share of inliers, 0 .. 1
 /// @param points   points of a draw
 /// @param missed   from 1e-9 to 1
@@ -39,7 +39,7 @@ template <std::size_t kPoints>
 using Sample = std::array<std::size_t, kPoints>;
 
 /// Indices below `count`, without replacement: each ordered sample is as likely as any other.
-/// Takes kPoints random numbers, whatever they are.
+/// Always takes kPoints random numbers.
 /// @pre kPoints <= count
 template <std::size_t kPoints>
 Sample<kPoints> draw_sample(std::size_t count, Rng* rng) {
@@ -48,7 +48,7 @@ Sample<kPoints> draw_sample(std::size_t count, Rng* rng) {
   Sample<kPoints> ascending{};
   for (std::size_t i = 0; i < kPoints; ++i) {
     std::size_t index = rng->below(static_cast<std::uint32_t>(count - i));
-    // Skips those drawn before. It comes to stand where the skipping ends.
+    // Maps the draw to an index that was not drawn before, and inserts it in ascending order.
     std::size_t place = 0;
     for (; place < i && index >= ascending[place]; ++place) {
       ++index;
@@ -67,15 +67,14 @@ struct ConsensusSearch {
   int draws_max = 0;
   std::uint64_t seed = 0;
   std::uint64_t stream = 0;  ///< of the random numbers
-  /// With this probability no sample has held inliers only when the search ends early. 0: it makes
-  /// all draws.
+  /// Probability that no sample had inliers only when the search ends early. 0: all draws are made.
   double missed = 0.0;
   /// Score of a hypothesis that no point agrees with, where the search may end early. Every
   /// outlier adds its part of that, so the score bounds the number of outliers.
   double score_of_none = 1.0;
 };
 
-/// Keeps one hypothesis. What takes its place in find_consensus may keep several.
+/// Keeps one hypothesis. Another class in its place in find_consensus() may keep several.
 template <typename Model>
 struct BestHypothesis {
   Model model{};
@@ -100,7 +99,7 @@ void consider(Model hypothesis, const Score& score, Best* best) {
   }
 }
 
-/// What a fit has given, as a range.
+/// The hypotheses of a fit as a range: those of a list, or of an optional.
 template <typename List>
 const List& listed(const List& several) {
   return several;
@@ -111,13 +110,13 @@ std::span<const Model> listed(const std::optional<Model>& one) {
 }
 
 /// Draws samples, fits hypotheses to each, scores them and keeps the best. Nothing is kept where
-/// there are fewer points than a sample has. No heap but what `fit` and `score` take.
+/// there are fewer points than a sample has. No heap but that of `fit` and `score`.
 /// @param fit    (Sample) -> the sample's hypotheses: an optional, or a list such as FixedVector.
 /// @param score  (hypothesis*, bound) -> a number, smaller is better. It may stop at `bound` and
-///               return anything from there on. It may also improve the hypothesis.
-/// @param best   in, out: a BestHypothesis, or what has its bound() and keep(). What it keeps on
-///               entry has to be beaten.
-/// @cost  at most draws_max samples. Deterministic in the search and the answers of `fit`, `score`.
+/// return anything from there on. It may also improve the hypothesis.
+/// @param best   in, out: a BestHypothesis, or a class with its bound() and keep(). A hypothesis
+/// kept on entry has to be beaten.
+/// @cost  at most draws_max samples. Deterministic if `fit` and `score` are.
 /// @source Fischler and Bolles, CACM 1981; end by the score so far: Torr and Zisserman 2000.
 template <std::size_t kPoints, typename Fit, typename Score, typename Best>
 void find_consensus(const ConsensusSearch& search, const Fit& fit, const Score& score, Best* best) {

@@ -8,12 +8,12 @@ namespace {
 
 constexpr std::array<std::uint16_t, 256> make_crc16_table() {
   std::array<std::uint16_t, 256> table{};
-  for (unsigned octet = 0; octet < 256; ++octet) {
-    unsigned remainder = octet << 8U;
+  for (unsigned byte = 0; byte < 256; ++byte) {
+    unsigned remainder = byte << 8U;
     for (int bit = 0; bit < 8; ++bit) {
       remainder = (remainder & 0x8000U) != 0 ? (remainder << 1U) ^ 0x1021U : remainder << 1U;
     }
-    table[octet] = static_cast<std::uint16_t>(remainder & 0xFFFFU);
+    table[byte] = static_cast<std::uint16_t>(remainder & 0xFFFFU);
   }
   return table;
 }
@@ -22,10 +22,10 @@ constexpr auto kCrc16Table = make_crc16_table();
 
 }  // namespace
 
-std::uint16_t crc16_ccitt_false(std::span<const std::uint8_t> octets) {
+std::uint16_t crc16_ccitt_false(std::span<const std::uint8_t> bytes) {
   unsigned crc = 0xFFFFU;
-  for (const std::uint8_t octet : octets) {
-    const std::size_t index = ((crc >> 8U) ^ octet) & 0xFFU;
+  for (const std::uint8_t byte : bytes) {
+    const std::size_t index = ((crc >> 8U) ^ byte) & 0xFFU;
     crc = ((crc << 8U) ^ kCrc16Table[index]) & 0xFFFFU;
   }
   return static_cast<std::uint16_t>(crc);

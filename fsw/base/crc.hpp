@@ -7,10 +7,10 @@
 
 namespace polhode {
 
-/// @return the checksum of `octets`; 0 over a message followed by its own checksum (big-endian).
-std::uint16_t crc16_ccitt_false(std::span<const std::uint8_t> octets);
+/// @return the checksum of `bytes`; 0 over a message followed by its own checksum (big-endian).
+std::uint16_t crc16_ccitt_false(std::span<const std::uint8_t> bytes);
 
-/// @param before  checksum of what comes before `octets`, 0 where nothing does.
-std::uint32_t crc32_iso_hdlc(std::span<const std::uint8_t> octets, std::uint32_t before = 0);
+/// @param before  checksum of the message before `bytes`; 0 at its beginning.
+std::uint32_t crc32_iso_hdlc(std::span<const std::uint8_t> bytes, std::uint32_t before = 0);
 
 }  // namespace polhode

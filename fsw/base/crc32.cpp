@@ -9,12 +9,12 @@ namespace {
 /// 0xEDB88320 is the polynomial 0x04C11DB7 with its bits reversed.
 constexpr std::array<std::uint32_t, 256> make_crc32_table() {
   std::array<std::uint32_t, 256> table{};
-  for (std::uint32_t octet = 0; octet < 256; ++octet) {
-    std::uint32_t remainder = octet;
+  for (std::uint32_t byte = 0; byte < 256; ++byte) {
+    std::uint32_t remainder = byte;
     for (int bit = 0; bit < 8; ++bit) {
       remainder = (remainder & 1U) != 0 ? (remainder >> 1U) ^ 0xEDB88320U : remainder >> 1U;
     }
-    table[octet] = remainder;
+    table[byte] = remainder;
   }
   return table;
 }
@@ -23,10 +23,10 @@ constexpr auto kCrc32Table = make_crc32_table();
 
 }  // namespace
 
-std::uint32_t crc32_iso_hdlc(std::span<const std::uint8_t> octets, std::uint32_t before) {
+std::uint32_t crc32_iso_hdlc(std::span<const std::uint8_t> bytes, std::uint32_t before) {
   std::uint32_t crc = ~before;
-  for (const std::uint8_t octet : octets) {
-    crc = (crc >> 8U) ^ kCrc32Table[(crc ^ octet) & 0xFFU];
+  for (const std::uint8_t byte : bytes) {
+    crc = (crc >> 8U) ^ kCrc32Table[(crc ^ byte) & 0xFFU];
   }
   return ~crc;
 }

@@ -1,7 +1,8 @@
-// The C library's elementary functions, as all of the program has them: ours, Ceres, OpenGV and
-// OpenCV. Those of the C library are written for several kinds of processor and round differently
-// with fused multiply-add; SLEEF's functions `cinz` give the same bits on all (decision 0105). A
-// name that the program defines itself comes before the C library's, for shared libraries too.
+// Replacements of the C library's elementary functions for the whole program: ours, Ceres, OpenGV
+// and OpenCV. Those of the C library are written for several kinds of processor and round
+// differently with fused multiply-add; SLEEF's functions `cinz` give the same bits on all (decision
+// 0105). A name that the program defines itself comes before the C library's, for shared libraries
+// too.
 #include <sleef.h>
 
 namespace {
@@ -11,7 +12,8 @@ float narrow(double x) { return static_cast<float>(x); }
 
 }  // namespace
 
-// Compiled with -fno-builtin: else a function that is made of another one may be taken for it.
+// Compiled with -fno-builtin: else the compiler may replace a function's body by a call of the same
+// function.
 extern "C" {
 
 double sin(double x) noexcept { return Sleef_cinz_sind1_u10purec(x); }
@@ -24,8 +26,8 @@ double atan2(double y, double x) noexcept { return Sleef_cinz_atan2d1_u10purec(y
 double sinh(double x) noexcept { return Sleef_cinz_sinhd1_u10purec(x); }
 double cosh(double x) noexcept { return Sleef_cinz_coshd1_u10purec(x); }
 double exp(double x) noexcept { return Sleef_cinz_expd1_u10purec(x); }
-// Every residual's loss takes one. This one is off by 2.3 units in the last place at most, where
-// the nearer one costs twice as much (decision 0105).
+// Each residual's loss takes a logarithm. This variant is off by at most 2.3 units in the last
+// place; the more accurate one costs twice as much (decision 0105).
 double log(double x) noexcept { return Sleef_cinz_logd1_u35purec(x); }
 double exp2(double x) noexcept { return Sleef_cinz_exp2d1_u10purec(x); }
 double log2(double x) noexcept { return Sleef_cinz_log2d1_u10purec(x); }
@@ -41,7 +43,7 @@ void sincos(double x, double* sine, double* cosine) noexcept {
   *cosine = both.y;
 }
 
-// OpenGV takes the roots of its quartic by it.
+// OpenGV takes the roots of its quartic by the complex logarithm.
 __complex__ double clog(__complex__ double z) noexcept {
   __complex__ double result;
   __real__ result = log(hypot(__real__ z, __imag__ z));

@@ -17,7 +17,7 @@ class FixedVector {
   [[nodiscard]] bool empty() const { return size_ == 0; }
   [[nodiscard]] bool full() const { return size_ == kCapacity; }
 
-  /// @return false, with nothing changed, when full: the caller decides what that means.
+  /// @return false, with nothing changed, when full.
   [[nodiscard]] bool push_back(const T& value) {
     if (full()) {
       return false;
@@ -29,7 +29,7 @@ class FixedVector {
     POLHODE_ASSERT(size_ > 0, size_);
     --size_;
   }
-  /// Removes and keeps the order of the rest.
+  /// Removes an element; the order of the rest stays.
   void erase(std::size_t index) {
     POLHODE_ASSERT(index < size_, index);
     for (std::size_t i = index + 1; i < size_; ++i) {

@@ -10,10 +10,10 @@ enum class PixelFormat { kGray8, kGray16 };
 
 struct ImageView {
   const std::uint8_t* data =
-      nullptr;  ///< first octet of the top row; 16-bit pixels in the machine's order
+      nullptr;  ///< first byte of the top row; 16-bit pixels in the machine's order
   int width_px = 0;
   int height_px = 0;
-  std::ptrdiff_t stride_octets = 0;
+  std::ptrdiff_t stride_bytes = 0;
   PixelFormat format = PixelFormat::kGray8;
 };
 

@@ -5,8 +5,8 @@
 #include <array>
 #include <cstdint>
 
+#include "base/earlier_times.hpp"
 #include "base/fixed_vector.hpp"
-#include "base/time_doubt.hpp"
 #include "bus/capacities.hpp"
 #include "bus/commands.hpp"
 #include "bus/counters.hpp"
@@ -43,7 +43,7 @@ constexpr std::size_t chunks_of(std::size_t points) {
 struct ServicerAttitude {
   bool known = false;
   std::int64_t timestamp_ns = 0;
-  TimeDoubt doubt{};
+  EarlierTimes doubt{};
   Eigen::Quaterniond q_IC = Eigen::Quaterniond::Identity();
   Eigen::Vector3d w_C_rad_s = Eigen::Vector3d::Zero();  ///< of C relative to I, in C
 };

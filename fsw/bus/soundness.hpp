@@ -7,11 +7,11 @@ namespace polhode {
 
 /// What goes on after a restart: sequence counts in their 14 bits, numbers finite, quaternions of
 /// unit norm, kinds that exist.
-bool is_sound(const BusState& bus);
+bool is_valid(const BusState& bus);
 
 /// Parts of it:
-bool is_sound(const ServicerAttitude& servicer);
-bool is_sound(const Reported& reported);
-bool is_sound(const ScaleNumber& scale);
+bool is_valid(const ServicerAttitude& servicer);
+bool is_valid(const Reported& reported);
+bool is_valid(const ScaleNumber& scale);
 
 }  // namespace polhode

@@ -66,7 +66,7 @@ Range<Lanes> range_of(const float* a, const float* b, const float* c, const floa
           .most = larger(larger(first, second), larger(third, fourth))};
 }
 
-/// Lanes that are still candidates for an extremum.
+/// Lanes that may still contain an extremum.
 template <class Lanes>
 struct Extremes {
   LaneMask<Lanes> high;
@@ -189,8 +189,8 @@ std::optional<Blob> refine(const Octave& octave, int layer, int y, int x, float 
   return std::nullopt;
 }
 
-/// Keeps the cell sorted; a full one drops its weakest blob. Two pixels may lead to one extremum,
-/// which is kept once.
+/// Keeps the cell sorted; a full one drops its weakest blob. Two pixels may converge to one
+/// extremum, which is kept once.
 void insert(const Blob& blob, BlobGrid::Cell* cell) {
   if (cell->full() && cell->back().contrast >= blob.contrast) {
     return;

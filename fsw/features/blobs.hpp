@@ -19,7 +19,7 @@ struct Blob {
   std::int32_t octave = 0;
 };
 
-/// The strongest blobs of each cell of a grid over the picture, strongest first. So no bright
+/// The strongest blobs of each cell of a grid over the image, strongest first. So no bright
 /// corner takes all features.
 struct BlobGrid {
   /// 64 cells: 12 or 13 of the default 800 features each. Chosen: more cells spread features more

@@ -20,8 +20,8 @@ int mirrored(int i, int size) {
   return i;
 }
 
-/// The two neighbours at each distance from the middle: rows above and below, or one row shifted
-/// left and right.
+/// The two neighbours at each distance from the middle: two rows of the image, or two shifts of one
+/// row.
 struct Neighbours {
   std::array<const float*, GaussianKernel::kRadiusMax + 1> before{};
   std::array<const float*, GaussianKernel::kRadiusMax + 1> after{};
@@ -54,8 +54,8 @@ void weigh_at(const Neighbours& from, const GaussianKernel& kernel, int x, float
 
 template <class Lanes>
 void weigh(const Neighbours& from, const GaussianKernel& kernel, int width, float* to) {
-  // Chosen: sums, weight and operands stay in the 16 registers of x86. At most the 8 that the loops
-  // are unrolled for. Changes no value.
+  // Groups of lanes at a time. Chosen: sums, weight and operands stay in the 16 registers of x86.
+  // At most the 8 that the loops are unrolled for. Changes no value.
   constexpr int kGroups = 6;
   constexpr int kTogether = kGroups * kLanes<Lanes>;
   int x = 0;

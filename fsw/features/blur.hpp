@@ -1,4 +1,4 @@
-// Gaussian blur of a float picture.
+// Gaussian blur of a float image.
 #pragma once
 
 #include <array>
@@ -24,7 +24,7 @@ GaussianKernel gaussian_kernel(double sigma_px);
 using BlurRow =
     std::array<float, limits::kWorkingSide + 2 * GaussianKernel::kRadiusMax + 2 * kRowGrain>;
 
-/// Past its border the picture is mirrored in the outermost pixels.
+/// Past its border the image is mirrored in the outermost pixels.
 /// @param out  of the same size as `in`, at another place.
 void blur(const Plane& in, const GaussianKernel& kernel, BlurRow* scratch, const Plane& out);
 

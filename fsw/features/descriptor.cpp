@@ -23,8 +23,8 @@ constexpr int kSide = 16;
 
 static_assert(sizeof(Descriptor) == kFields * kFields * kDirections);
 
-/// Weights of a row (or column) of samples in two neighbouring rows (columns) of fields. The first
-/// of them is field - 1: there is one extra field on either side.
+/// Interpolation weights of a row (or column) of samples in two neighbouring rows (columns) of
+/// fields. The first is field - 1, as there is one extra field on either side.
 struct Share {
   std::size_t field = 0;
   float first = 0.0F;
@@ -49,12 +49,13 @@ Shares make_shares() {
 
 constexpr std::size_t kWide = kFields + 2;  // with the extra fields
 
-/// The directions of each field.
+/// The directions of a field.
 struct Histogram {
   std::array<std::array<std::array<float, kDirections>, kWide>, kWide> field{};
 };
 
-/// Linear weights of the directions k, cyclic, in a gradient of direction `at` (0 .. 8).
+/// Linear interpolation weights of the directions k, cyclic, for a gradient of direction `at` (0 ..
+/// 8).
 template <class Lanes>
 Lanes direction_shares(Lanes k, float at) {
   const Lanes none{};
@@ -68,7 +69,7 @@ void add(float share, Lanes what, float* to) {
   store(load<Lanes>(to) + splat<Lanes>(share) * what, to);
 }
 
-/// As many directions as there are lanes, from `first` on.
+/// A group of directions, one a lane, from `first` on.
 template <class Lanes>
 void accumulate(const Gradients<kSide>& gradients,
                 const Shares& shares,
@@ -95,7 +96,7 @@ void accumulate(const Gradients<kSide>& gradients,
   }
 }
 
-Descriptor to_octets(const Histogram& histogram) {
+Descriptor to_bytes(const Histogram& histogram) {
   constexpr std::size_t kCount = sizeof(Descriptor);
   std::array<float, kCount> value{};
   constexpr std::size_t kRow = kFields * kDirections;
@@ -106,7 +107,7 @@ Descriptor to_octets(const Histogram& histogram) {
   for (const float v : value) {
     sum2 += v * v;
   }
-  // So that one strong edge or glint does not outweigh the rest. Lowe's value.
+  // Bound on an element, so that one strong edge or glint does not outweigh the rest. Lowe's value.
   constexpr float kLargest = 0.2F;
   const float limit = kLargest * std::sqrt(sum2);
   float sum = 0.0F;
@@ -143,7 +144,7 @@ Descriptor compute_descriptor(const Plane& level, const OrientedPlace& place) {
       accumulate<Lanes>(gradients, shares, first, &histogram);
     }
   });
-  return to_octets(histogram);
+  return to_bytes(histogram);
 }
 
 }  // namespace polhode::sift

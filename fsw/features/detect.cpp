@@ -12,15 +12,15 @@
 namespace polhode {
 namespace {
 
-/// A small region is enlarged: its finest texture lies under the detector's smallest blob. At twice
-/// the size three times as many features repeat. At three times no more do, but they are placed
-/// better. More adds interpolation, not texture (decision 0020).
+/// Largest enlargement. The finest texture of a small region lies under the detector's smallest
+/// blob. At twice the size three times as many features repeat. At three times no more do, but
+/// their positions are better. More adds interpolation, not texture (decision 0020).
 constexpr double kEnlargeMax = 3.0;
 
-/// Assumed blur of the working picture, in its pixels. An enlarged one has more. Then the finest
-/// levels lie closer together, which finds more features than the true value and places them
-/// better.
-constexpr double kPictureBlur_px = 0.6;
+/// Assumed blur of the working image, in its pixels. An enlarged one has more. A small value puts
+/// the finest levels closer together, which finds more features than the true blur, with better
+/// positions.
+constexpr double kImageBlur_px = 0.6;
 
 struct Context {
   const sift::ScaleSpace& space;
@@ -29,7 +29,7 @@ struct Context {
   const FeatureOptions& options;
 };
 
-/// Place, size and sigma in the camera's picture.
+/// Place, size and sigma in the camera's image.
 Feature to_feature(const sift::Blob& blob, const Context& context) {
   const double octave = static_cast<double>(1 << blob.octave);
   const sift::Region& region = context.region;
@@ -47,7 +47,7 @@ Feature to_feature(const sift::Blob& blob, const Context& context) {
   return f;
 }
 
-/// One feature for each orientation of the blob, until there are `count_max`.
+/// One feature for each orientation of the blob, up to `count_max`.
 void add_features(const sift::Blob& blob,
                   const Context& context,
                   std::size_t count_max,
@@ -69,7 +69,7 @@ void add_features(const sift::Blob& blob,
   }
 }
 
-/// The strongest of each cell first, then the second strongest, and so on.
+/// Takes the strongest of each cell first, then the second strongest, and so on.
 void add_in_turn(const sift::BlobGrid& grid,
                  const Context& context,
                  std::size_t count_max,
@@ -102,7 +102,8 @@ void detect_features(const MaskedImage& image,
                      Features* features) {
   const TargetMask& mask = *image.mask;
   features->clear();
-  // Three times enlarged 48 px; the smallest descriptor spans 18. Chosen.
+  // Least side of a region. Enlarged three times it has 48 px; the smallest descriptor spans 18.
+  // Chosen.
   constexpr int kSide_px_min = 16;
   if (mask.region_px.width < kSide_px_min || mask.region_px.height < kSide_px_min) {
     return;
@@ -111,17 +112,13 @@ void detect_features(const MaskedImage& image,
       .mask = &mask,
       .size = sift::working_size(mask.region_px, options.working_pixels_max, kEnlargeMax)};
   sift::ScaleSpace& space = workspace->space;
-  const sift::Plane picture =
-      sift::lay_out_scale_space(region.size.width, region.size.height, &space);
+  const sift::Plane base = sift::lay_out_scale_space(region.size.width, region.size.height, &space);
   if (space.octaves == 0) {
     return;
   }
-  sift::resample(*image.gray,
-                 mask.region_px,
-                 sift::light_of_gray(options.gamma),
-                 &workspace->resample,
-                 picture);
-  sift::fill_scale_space(kPictureBlur_px, &space);
+  sift::resample(
+      *image.gray, mask.region_px, sift::light_of_gray(options.gamma), &workspace->resample, base);
+  sift::fill_scale_space(kImageBlur_px, &space);
   sift::find_blobs(space,
                    region,
                    static_cast<float>(options.contrast_min * sift::kFullScale),

@@ -10,11 +10,11 @@
 
 namespace polhode {
 
-/// RootSIFT (Arandjelovic and Zisserman, CVPR 2012) in octets: their Euclidean distance is the
+/// RootSIFT (Arandjelovic and Zisserman, CVPR 2012) in bytes: their Euclidean distance is the
 /// Hellinger distance of the histograms.
 using Descriptor = std::array<std::uint8_t, 128>;
 
-/// Norm of a descriptor. An octet saturates at half of it.
+/// Norm of a descriptor. A byte saturates at half of it.
 inline constexpr float kDescriptorNorm = 512.0F;
 
 struct Feature {

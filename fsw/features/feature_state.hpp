@@ -1,4 +1,4 @@
-// This frame's features, and the memory that finds them.
+// This frame's features, and the memory of detection.
 #pragma once
 
 #include "features/feature.hpp"
@@ -11,7 +11,7 @@ namespace polhode {
 /// The state of this room.
 struct FeatureState {
   Features features;
-  bool ready = false;        ///< they have been looked for in this frame
+  bool ready = false;        ///< detection has run in this frame
   ImageMotion image_motion;  ///< expected in this frame; zero where all rows are of one time
   RestingPlaces resting;
   FeatureWorkspace workspace;

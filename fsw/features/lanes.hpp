@@ -23,7 +23,7 @@ inline constexpr int kLanes = static_cast<int>(sizeof(Lanes) / sizeof(float));
 template <class Lanes>
 using LaneMask = decltype(Lanes{} < Lanes{});
 
-/// From an address that need not be aligned.
+/// Loads from an address that need not be aligned.
 template <class Lanes>
 Lanes load(const float* from) {
   Lanes v;
@@ -44,8 +44,8 @@ inline Lanes4 splat<Lanes4>(float value) {
   return Lanes4{value, value, value, value};
 }
 
-// Plain operators would compile to many instructions. Both forms give the same bits for numbers
-// that are not NaN.
+// Written as intrinsics, as plain operators compile to many instructions. Both forms give the same
+// bits for numbers that are not NaN.
 #if defined(__SSE2__)
 inline bool any(LaneMask<Lanes4> mask) {
   return _mm_movemask_epi8(reinterpret_cast<__m128i>(mask)) != 0;
@@ -73,8 +73,8 @@ struct LaneKind {
   using Lanes = L;
 };
 
-// Only optimised: where nothing is inlined, functions for AVX2 and others would pass eight lanes to
-// each other by different calling conventions.
+// Eight lanes only with optimisation: without inlining, functions for AVX2 and others pass eight
+// lanes by different calling conventions.
 #if defined(__x86_64__) && defined(__OPTIMIZE__)
 using Lanes8 = float __attribute__((vector_size(32)));
 

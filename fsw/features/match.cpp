@@ -7,13 +7,13 @@
 namespace polhode {
 namespace {
 
-// A blob with two orientations. Chosen: their places are equal, those of other blobs seldom as
-// close.
+// Distance within which features are orientations of one blob. Chosen: their places are equal,
+// those of other blobs seldom as close.
 constexpr float kSamePlace_px = 1.0F;
 
 using Bests = std::array<NearestFeature, limits::kFeatures>;
 
-/// Each feature's nearest of the other list, and the nearest of those at another place.
+/// Nearest feature of the other list for each, and the nearest at another place.
 void find_nearest(std::span<const Feature> a,
                   std::span<const Feature> b,
                   Bests* forward,
@@ -91,7 +91,7 @@ void match_mutual(std::span<const Feature> a,
   POLHODE_ASSERT(a.size() <= limits::kFeatures && b.size() <= limits::kFeatures, a.size());
   Bests forward;
   Bests back;
-  widely([&] { find_nearest(a, b, &forward, &back); });
+  with_avx2([&] { find_nearest(a, b, &forward, &back); });
   const double ratio2 = ratio_max * ratio_max;
   const auto stands_out = [&](const NearestFeature& best) {
     return best.nearest2 <= ratio2 * best.rival2;

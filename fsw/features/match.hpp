@@ -10,7 +10,7 @@
 
 namespace polhode {
 
-/// Squared Euclidean distance. Inline and of constant length: within widely() it is vectorised.
+/// Squared Euclidean distance. Inline and of constant length: within with_avx2() it is vectorised.
 inline int distance2(const Descriptor& a, const Descriptor& b) {
   int sum = 0;
   for (std::size_t i = 0; i < std::tuple_size_v<Descriptor>; ++i) {
@@ -20,8 +20,9 @@ inline int distance2(const Descriptor& a, const Descriptor& b) {
   return sum;
 }
 
-// Of descriptors with norm 512 (kDescriptorNorm). Two views of one point 30 deg apart differ by
-// about 200, unrelated textures by 500 to 600. 380 is in the middle between.
+// Largest squared distance of a match, for descriptors with norm 512 (kDescriptorNorm). Two views
+// of one point 30 deg apart differ by about 200, unrelated textures by 500 to 600. 380 is in the
+// middle between.
 inline constexpr int kDistance2Max = 380 * 380;
 
 /// Features binned into square cells for look-up by place.
@@ -29,12 +30,12 @@ class FeatureGrid {
  public:
   void build(std::span<const Feature> features, int width_px, int height_px);
 
-  /// Indices of the features within `radius_px` of a pixel, at most as many as `out` holds, in
-  /// index order by cell.
+  /// Indices of the features within `radius_px` of a pixel, at most the size of `out`, in index
+  /// order by cell.
   std::size_t find(double u_px, double v_px, double radius_px, std::span<std::int32_t> out) const;
 
  private:
-  /// Along each axis: about one cell a feature at limits::kFeatures.
+  /// Cells along each axis: about one cell a feature at limits::kFeatures.
   static constexpr int kCells = 32;
 
   /// Position of a feature, apart from the feature: the search then stays in the cache.
@@ -52,7 +53,7 @@ class FeatureGrid {
   std::array<Place, limits::kFeatures> places_{};  ///< cell by cell
 };
 
-/// A feature's nearest in appearance, and how near the next one at another place is.
+/// Nearest feature by descriptor, and the distance of the next one at another place.
 struct NearestFeature {
   std::int32_t feature = -1;
   int nearest2 = std::numeric_limits<int>::max();
@@ -65,8 +66,8 @@ inline bool same_place(const Feature& a, const Feature& b, float within_px) {
   return du * du + dv * dv < within_px * within_px;
 }
 
-/// Compares one more of `among`, at squared distance `d2`; of equals the first called stays. A blob
-/// with two orientations gives two features at one place (`same_px`): they do not compete. Inline:
+/// Compares one more of `among`, at squared distance `d2`; of equals the first one stays. A blob
+/// with two orientations gives two features at one place (`same_px`), which are no rivals. Inline:
 /// as distance2().
 inline void keep_nearest(std::int32_t feature,
                          int d2,
@@ -97,8 +98,8 @@ struct FeatureMatch {
 
 using FeatureMatches = FixedVector<FeatureMatch, limits::kFeatures>;
 
-/// Matches that are each other's best and whose best beats the second best (at another place, over
-/// a pixel away) by the ratio. Exhaustive.
+/// Matches that are each other's nearest, with the second nearest (at another place, over a pixel
+/// away) farther by the ratio. Exhaustive.
 void match_mutual(std::span<const Feature> a,
                   std::span<const Feature> b,
                   double ratio_max,

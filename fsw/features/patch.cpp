@@ -20,10 +20,10 @@ inline constexpr int kRow = stride_of(kSide + 2);
 template <int kSide>
 using Levels = std::array<float, (kSide + 2) * kRow<kSide>>;
 
-/// Where each sample of a row lies: the pixel up and left of it, and the fractions beyond.
+/// Position of each sample of a row: the pixel up and left of it, and the fractions beyond.
 template <int kSide>
 struct RowPlaces {
-  std::array<std::int32_t, kRow<kSide>> offset;  ///< floats from the picture's first
+  std::array<std::int32_t, kRow<kSide>> offset;  ///< floats from the image's first
   std::array<float, kRow<kSide>> right;
   std::array<float, kRow<kSide>> down;
 };
@@ -83,7 +83,7 @@ struct Pair {
   Lanes right;
 };
 
-/// Separates left and right pixels of as many samples as there are lanes.
+/// Separates left and right pixels of the samples of one group of lanes.
 template <class Lanes>
 Pair<Lanes> apart(const float* from) {
   const Lanes low = load<Lanes>(from);

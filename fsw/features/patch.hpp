@@ -25,11 +25,11 @@ struct Gradients {
   std::array<float, kCount> angle_rad{};
 };
 
-/// Past the picture's border the outermost pixels are repeated.
+/// Beyond the image's border the outermost pixels are repeated.
 template <int kSide>
 void sample_gradients(const Plane& level, const PatchFrame& frame, Gradients<kSide>* out);
 
-// The grids of orientations and descriptors.
+// Instances for orientations and descriptors.
 extern template void sample_gradients<12>(const Plane&, const PatchFrame&, Gradients<12>*);
 extern template void sample_gradients<16>(const Plane&, const PatchFrame&, Gradients<16>*);
 

@@ -1,4 +1,4 @@
-// A picture of floats; its memory is not owned.
+// An image of floats; its memory is not owned.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// Position of the working picture in the camera's image.
+// Position of the working image in the camera's image.
 #pragma once
 
 #include <opencv2/core/types.hpp>

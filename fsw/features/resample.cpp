@@ -18,7 +18,7 @@ double cubic(double distance) {
   return d < 2.0 ? ((-0.5 * d + 2.5) * d - 4.0) * d + 2.0 : 0.0;
 }
 
-/// How much of an output pixel, [from, to] on the input axis, lies on input pixel i.
+/// Overlap of an output pixel, [from, to] on the input axis, with input pixel i.
 double overlap(double from, double to, int i) {
   return std::max(0.0, std::min(to, i + 0.5) - std::max(from, i - 0.5));
 }
@@ -48,7 +48,7 @@ void fill_taps(int in, int out, AxisTaps* axis) {
   }
 }
 
-/// A row of the region in light. Neighbouring output rows use the same few.
+/// A row of the region in light, cached: neighbouring output rows use the same few.
 const float* toned(
     const cv::Mat& gray, const cv::Rect& region_px, const Tone& tone, int y, TonedRows* rows) {
   const std::size_t place = static_cast<std::size_t>(y) % TonedRows::kRows;
@@ -136,7 +136,7 @@ void resample(const cv::Mat& gray,
   const float* row = scratch->row.data();
   scratch->toned.y.fill(-1);
   for (int y = 0; y < out.height; ++y) {
-    widely([&] { weigh_rows(gray, region_px, tone, y, scratch); });
+    with_avx2([&] { weigh_rows(gray, region_px, tone, y, scratch); });
     if (scratch->across.taps == kCubicTaps) {
       weigh_columns<kCubicTaps>(row, scratch->across, out.width, out.row(y));
     } else {

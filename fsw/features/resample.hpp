@@ -1,4 +1,4 @@
-// The target's region of a picture, brought to the size that detection works on.
+// Resamples the target's region of an image to the working size of detection.
 #pragma once
 
 #include <array>
@@ -29,9 +29,9 @@ using Tone = std::array<float, 256>;
 /// For a camera whose gray level is light to the power 1 / gamma.
 Tone light_of_gray(double gamma);
 
-/// The last rows of the region asked for, in light.
+/// The last rows of the requested region, as light.
 struct TonedRows {
-  static constexpr std::size_t kRows = kCubicTaps;  // those of an enlarged row
+  static constexpr std::size_t kRows = kCubicTaps;  // input rows of an enlarged row
   std::array<int, kRows> y{};
   std::array<std::array<float, limits::kImageSide + kRowGrain>, kRows> light{};
 };
@@ -43,7 +43,7 @@ struct ResampleScratch {
   std::array<float, limits::kImageSide + kRowGrain> row{};
 };
 
-/// Size of the working picture.
+/// Size of the working image.
 struct WorkingSize {
   int width = 0;
   int height = 0;
@@ -51,13 +51,13 @@ struct WorkingSize {
   double factor_v = 1.0;
 };
 
-/// A region of `pixels_max` at most, at most `enlarge_max` times as wide and high, no side over
-/// limits::kWorkingSide.
+/// Size of the working image for a region: at most `pixels_max` pixels, at most `enlarge_max` times
+/// as wide and high, no side over limits::kWorkingSide.
 WorkingSize working_size(const cv::Rect& region_px, int pixels_max, double enlarge_max);
 
 /// Enlarges by cubic convolution (Catmull-Rom), reduces by the mean over each output pixel's area.
 /// Works in light; cubic convolution may overshoot its 0 .. 255. Pixel centres are at integers in
-/// both pictures.
+/// both images.
 /// @param out  of the working size, and laid out.
 void resample(const cv::Mat& gray,
               const cv::Rect& region_px,

@@ -6,10 +6,11 @@
 namespace polhode {
 namespace {
 
-// A weak feature is detected again within it; of a body's spots one passes in some pictures.
+// Repeatability of a weak feature's position; of a body's features one passes within it in some
+// images.
 constexpr float kReach_px = 1.0F;
-// A place goes after a second or so at 10 frames/s without a feature, one that was seen long after
-// three. Chosen.
+// Credit of a new place, and its bound: it is dropped after a second or so at 10 frames/s without a
+// feature, a place seen for long after three. Chosen.
 constexpr std::int32_t kCreditFirst = 10;
 constexpr std::int32_t kCreditMost = 30;
 // Half the width of a descriptor (descriptor.hpp).
@@ -66,7 +67,7 @@ void leave_out_resting(RestingPlaces* resting, Features* features) {
   resting->places.resize(kept);
 }
 
-bool is_sound(const RestingPlaces& resting) {
+bool is_valid(const RestingPlaces& resting) {
   return resting.places.size() <= resting.places.capacity() &&
          std::all_of(resting.places.begin(), resting.places.end(), [](const RestingPlace& place) {
            return place.credit > 0 && place.credit <= kCreditMost;

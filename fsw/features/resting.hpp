@@ -1,5 +1,6 @@
-// Places where something stays in the picture while the body turns: a word in a corner, a piece of
-// the servicer, dirt on the lens. It is no target, before there is a map and with one.
+// Places in the image at which something stays while the body rotates: a caption in a corner, a
+// part of the servicer, dirt on the lens. Features there are not of the target, before there is a
+// map and with one.
 #pragma once
 
 #include <cstddef>
@@ -13,26 +14,26 @@ namespace polhode {
 struct RestingPlace {
   float u_px = 0.0F;  ///< distorted pixel
   float v_px = 0.0F;
-  std::int32_t credit = 0;  ///< pictures with a feature there, less those without; it goes at 0
+  std::int32_t credit = 0;  ///< images with a feature there, less those without; dropped at 0
 };
 
 struct RestingPlaces {
-  // Chosen: two captions, or an arm. What finds no room takes features as before.
+  // Chosen: two captions, or an arm. In a full table further places are ignored.
   static constexpr std::size_t kPlaces = 512;
   FixedVector<RestingPlace, kPlaces> places;
 };
 
-/// Remembers a place, unless one beside it is remembered.
+/// Stores a place, unless there is one beside it.
 void add_place(float u_px, float v_px, RestingPlaces* resting);
 
 /// Is the pixel one of the places?
 [[nodiscard]] bool is_resting(float u_px, float v_px, const RestingPlaces& resting);
 
-/// Removes the features whose descriptor takes in one of the places. A place at which most pictures
-/// have no feature is forgotten: what rested there has gone, or it was the body's axis.
+/// Removes the features whose descriptor covers one of the places. A place at which most images
+/// have no feature is dropped: the resting object has gone, or it was the body's axis.
 void leave_out_resting(RestingPlaces* resting, Features* features);
 
-/// Whether sizes and credits are such as they are made, as long as no bit has flipped in memory.
-[[nodiscard]] bool is_sound(const RestingPlaces& resting);
+/// Whether sizes and credits are in their ranges: they are not when bits have flipped in memory.
+[[nodiscard]] bool is_valid(const RestingPlaces& resting);
 
 }  // namespace polhode

@@ -1,4 +1,4 @@
-// Features of a rolling shutter, each seen at its row's time.
+// Row times of a rolling shutter: brings each feature from its row's time to the frame's.
 #pragma once
 
 #include "features/feature.hpp"
@@ -6,8 +6,8 @@
 
 namespace polhode {
 
-/// Brings the normalised points, from the pixels, to the frame's time. Pixels stay as they were
-/// seen. Features of a camera without row times stay as they are.
+/// Recomputes the normalised points at the frame's time, from the pixels. Pixels stay as detected.
+/// Without row times nothing changes.
 void to_frame_time(const CameraModel& camera, const ImageMotion& motion, Features* features);
 
 }  // namespace polhode

@@ -45,7 +45,7 @@ Plane lay_out_scale_space(int width, int height, ScaleSpace* space) {
     height /= 2;
   }
   POLHODE_ASSERT(free <= space->memory.data() + space->memory.size(), height);
-  // The picture is put into the second level, from which it is blurred into the first.
+  // The image is stored in the second level, from which it is blurred into the first.
   return space->octaves > 0 ? space->level[0][1] : Plane{};
 }
 
@@ -53,7 +53,7 @@ void fill_scale_space(double blur_px, ScaleSpace* space) {
   for (int o = 0; o < space->octaves; ++o) {
     auto& level = space->level[static_cast<std::size_t>(o)];
     if (o == 0) {
-      // Less blur rounds to none: a kernel of 0.1 px has weights of 1e-22 beside the middle.
+      // Less blur has no effect: a kernel of 0.1 px has weights of 1e-22 beside the middle.
       constexpr double kLeast_px = 0.1;
       const double missing_px =
           blur_between(std::min(blur_px, ScaleSpace::kSigma_px), ScaleSpace::kSigma_px);

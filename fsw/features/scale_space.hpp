@@ -1,4 +1,4 @@
-// A picture at all scales: octaves of half the size each, levels of growing blur in each octave.
+// An image at all scales: octaves of half the size each, levels of growing blur in each octave.
 #pragma once
 
 #include <array>
@@ -14,17 +14,19 @@ namespace polhode::sift {
 /// neighbouring layers.
 struct ScaleSpace {
   static constexpr int kLayers = 3;            ///< searched per octave: Lowe, IJCV 2004, fig. 3
-  static constexpr int kLevels = kLayers + 3;  ///< a layer more at both ends, a level more
-  /// More than is reached: the shorter side of limits::kWorkingPixels, 774 px, makes six.
+  static constexpr int kLevels = kLayers + 3;  ///< one more layer at each end, and one more level
+                                               ///< than layers
+  /// Octaves at most: the shorter side of limits::kWorkingPixels, 774 px, makes six.
   static constexpr int kOctaves = 8;
-  /// Of an octave's picture. Half of it is border (kMargin_px of the search for blobs). Chosen.
+  /// Least side of an octave's image. Half of it is border (kMargin_px of the search for blobs).
+  /// Chosen.
   static constexpr int kSideMin = 16;
   /// Of the first level, in pixels of its octave. 0.8 px places features 3 to 27 % worse
   /// (decision 0021); Lowe's 1.6 px hardly better, for nearly twice the pixels.
   static constexpr double kSigma_px = 1.2;
 
-  /// Octaves of a quarter of the pixels each come to a third more than the first; rows are filled
-  /// up to the grain.
+  /// Floats of all octaves: each has a quarter of the pixels of the one before, a third more than
+  /// the first in all; rows are filled up to the grain.
   static constexpr std::size_t kFloats =
       kLevels * (limits::kWorkingPixels * 4 / 3 + 2 * limits::kWorkingSide * kRowGrain);
 
@@ -37,15 +39,14 @@ struct ScaleSpace {
 /// Blur of a level in pixels of its octave; levels need not be whole numbers.
 float sigma_of_level(float level);
 
-/// Divides the memory into octaves for a picture of this size.
-/// @return where the picture is to be put before fill_scale_space.
+/// Divides the memory into octaves for an image of this size.
+/// @return place for the image, before fill_scale_space().
 /// @pre width * height <= limits::kWorkingPixels, neither over limits::kWorkingSide
 Plane lay_out_scale_space(int width, int height, ScaleSpace* space);
 
-/// @param blur_px  of the picture as it was put in, pixels.
+/// @param blur_px  of the stored image, pixels.
 /// @source Lowe, IJCV 2004, section 3: each level is blurred from the one before; an octave begins
-/// with every second
-///         pixel of the level of twice its first blur.
+/// with every second pixel of the level of twice its first blur.
 void fill_scale_space(double blur_px, ScaleSpace* space);
 
 }  // namespace polhode::sift

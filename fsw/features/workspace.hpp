@@ -7,7 +7,7 @@
 
 namespace polhode {
 
-/// Nothing in it is kept from call to call.
+/// Contents mean nothing between calls.
 struct FeatureWorkspace {
   sift::ResampleScratch resample;
   sift::ScaleSpace space;

@@ -8,7 +8,7 @@
 #include "base/assert.hpp"
 #include "base/fixed_vector.hpp"
 #include "base/median.hpp"
-#include "base/sound.hpp"
+#include "base/validity.hpp"
 #include "config/limits.hpp"
 
 namespace polhode {
@@ -29,7 +29,7 @@ Terms terms_at(const ImageMotion& motion, const Eigen::Vector2d& normalised, std
 }
 
 std::size_t term_count(std::size_t points) {
-  // Points a term: as many wrong ones as right ones would still leave two.
+  // Least points per term: with half of them wrong two are left.
   constexpr std::size_t kPointsOfTerm = 4;
   return points >= 6 * kPointsOfTerm ? 6 : points >= 3 * kPointsOfTerm ? 3 : 1;
 }
@@ -61,7 +61,7 @@ ImageMotion fit_image_motion(std::span<const MovingPoint> points) {
   const std::size_t count = term_count(points.size());
   const auto active = static_cast<Eigen::Index>(count);
   FixedVector<double, limits::kFeatures> distances;
-  double scale = 0.0;         // of the residuals; zero: each point weighs one
+  double scale = 0.0;         // of the residuals; zero: all weights are one
   constexpr int kRounds = 6;  // the first is not robust; weights settle within five more
   for (int round = 0; round < kRounds; ++round) {
     Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
@@ -73,7 +73,7 @@ ImageMotion fit_image_motion(std::span<const MovingPoint> points) {
       normal += weight * terms * terms.transpose();
       right += weight * terms * point.velocity_per_s.transpose();
     }
-    // Points on a line leave a direction open: it takes no part.
+    // A ridge: points on a line leave the direction across it undetermined.
     normal.diagonal().array() += 1e-9 * normal(0, 0);
     const Eigen::Matrix<double, 2, 6> solved = normal.ldlt().solve(right).transpose();
     motion.coefficients_per_s.setZero();
@@ -85,7 +85,7 @@ ImageMotion fit_image_motion(std::span<const MovingPoint> points) {
     }
     scale = median(distances.view());
   }
-  return sound::is_bounded(motion.coefficients_per_s) ? motion : ImageMotion{};
+  return validity::is_bounded(motion.coefficients_per_s) ? motion : ImageMotion{};
 }
 
 double row_delay_s(const CameraModel& camera, double v_px) {

@@ -1,4 +1,4 @@
-// How fast image points move, over the picture. A rolling shutter reads each row at a time of its
+// How fast image points move, over the image. A rolling shutter reads each row at a time of its
 // own; with this motion a point is brought to the time of the frame, that of the middle row.
 #pragma once
 
@@ -11,22 +11,23 @@ namespace polhode {
 
 struct MovingPoint {
   Eigen::Vector2d normalised = Eigen::Vector2d::Zero();  ///< undistorted image point, plane z = 1
-  Eigen::Vector2d velocity_per_s = Eigen::Vector2d::Zero();  ///< of it
+  Eigen::Vector2d velocity_per_s = Eigen::Vector2d::Zero();  ///< its velocity
 };
 
-/// A quadratic of the image point: near and far parts of a body differ by less than its surface
-/// bends the field. Beyond the points that it was fitted to it goes on as at their rim.
+/// A quadratic in the image point, as a body's surface bends the motion field more than its near
+/// and far parts differ. Beyond the box of the fitted points it continues with the value at the
+/// border.
 struct ImageMotion {
   Eigen::Matrix<double, 2, 6> coefficients_per_s = Eigen::Matrix<double, 2, 6>::Zero();
-  Eigen::Vector2d centre = Eigen::Vector2d::Zero();  ///< of those points, normalised
-  Eigen::Vector2d reach = Eigen::Vector2d::Ones();   ///< of theirs about it
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();  ///< of the fitted points' box, normalised
+  Eigen::Vector2d reach = Eigen::Vector2d::Ones();   ///< half the size of that box
 };
 
 /// Velocity of an image point [1/s, on the plane z = 1].
 Eigen::Vector2d velocity_at(const ImageMotion& motion, const Eigen::Vector2d& normalised);
 
-/// Robust fit (Cauchy weights at the median residual). A mean of fewer than 12 points, a plane of
-/// fewer than 24, else a quadratic. No motion of no points.
+/// Robust fit (Cauchy weights at the median residual). Fewer than 12 points give a mean, fewer than
+/// 24 a plane, else a quadratic; no points give zero.
 /// @pre at most limits::kFeatures points
 ImageMotion fit_image_motion(std::span<const MovingPoint> points);
 

@@ -17,8 +17,8 @@ struct Pose {
   [[nodiscard]] Eigen::Vector3d camera_T() const { return -(R_CT.transpose() * p_CT); }
 };
 
-/// Is T's origin in front of the camera? An estimate that went wrong may put it behind: such a pose
-/// has no inverse depth, and is none to keep.
+/// Is T's origin in front of the camera? A failed estimate may put it behind: such a pose has no
+/// inverse depth, and must not be kept.
 inline bool is_before_camera(const Pose& pose) {
   return pose.p_CT.allFinite() && pose.p_CT.z() > 0.0;
 }
@@ -32,7 +32,8 @@ inline void widen_attitude(double sigma_rad, PoseCovariance* covariance) {
   covariance->topLeftCorner<3, 3>().diagonal().array() += sigma_rad * sigma_rad;
 }
 
-/// The same of the position. @param sigma  in each direction, in the pose's unit.
+/// Adds an independent error of the position.
+/// @param sigma  in each direction, in the pose's unit.
 inline void widen_position(double sigma, PoseCovariance* covariance) {
   covariance->bottomRightCorner<3, 3>().diagonal().array() += sigma * sigma;
 }

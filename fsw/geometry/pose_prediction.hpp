@@ -1,4 +1,4 @@
-// A pose that is expected at a time, with its error.
+// A pose predicted for a time, with its covariance.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@ namespace polhode {
 struct PosePrediction {
   Pose pose;
   PoseCovariance covariance =
-      PoseCovariance::Zero();  ///< of (phi, dp) as in pose.hpp; rotation and position apart
+      PoseCovariance::Zero();  ///< of (phi, dp) as in pose.hpp; rotation and position uncorrelated
   std::size_t rotation_poses = 0;
   std::size_t position_poses = 0;
 };

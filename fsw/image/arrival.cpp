@@ -10,8 +10,8 @@ namespace polhode {
 
 int missing_frames(std::int64_t timestamp_ns, ArrivalHistory* history) {
   constexpr std::size_t kIntervalsMin = 3;  // the least whose median is right with one gap
-  // Of a period; 0.5 would accept any interval. Chosen; larger counts frames that come at no fixed
-  // rate, smaller misses those with jitter.
+  // Tolerance, in periods; 0.5 would accept any interval. Chosen; larger counts frames that come at
+  // no fixed rate, smaller misses those with jitter.
   constexpr double kTolerance = 0.25;
   constexpr double kMissingMax = 1000.0;  // chosen: a longer gap is a pause, not a loss
   const std::int64_t interval_ns = timestamp_ns - history->last_ns;

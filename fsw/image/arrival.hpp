@@ -1,4 +1,4 @@
-// Counts frames that are missing, by the gaps in time.
+// Counts missing frames, by the gaps in time.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +17,9 @@ struct ArrivalHistory {
 
 /// Records a frame's time, whatever its verdict.
 /// @param timestamp_ns  ignored when it is not later than the last one's.
-/// @return frames missing before it: the interval is that many periods too long, to a quarter of a
-/// period. The period is the median of the last intervals. 0 until three intervals are known.
+/// @return frames missing before it, by the length of the interval in periods, if that is a whole
+/// number to a quarter. The period is the median of the last intervals. 0 until three intervals are
+/// known.
 int missing_frames(std::int64_t timestamp_ns, ArrivalHistory* history);
 
 }  // namespace polhode

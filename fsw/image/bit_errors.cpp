@@ -14,15 +14,15 @@ namespace {
 constexpr int kStep = 80;
 
 /// Counts outlier pixels of a row: over (or under) all eight neighbours by kStep and twice their
-/// range. So edges, lines and grain do not count. The peaks of stars do; each frame has as many. By
-/// four neighbours clouds had three times as many (decision 0002).
+/// range. So edges, lines and grain do not count. Peaks of stars do, alike in each frame. With four
+/// neighbours clouds had three times as many (decision 0002).
 int impulses_in_row(const std::uint8_t* above,
                     const std::uint8_t* row,
                     const std::uint8_t* below,
                     int columns) {
   int count = 0;
   int column = 1;
-  constexpr int kTimesMax = 255;  // a lane's sum fits an octet
+  constexpr int kTimesMax = 255;  // so that a lane's sum fits a byte
   cv::v_uint8x16 counts = cv::v_setzero_u8();
   int times = 0;
   const cv::v_uint8x16 step = cv::v_setall_u8(kStep);
@@ -85,10 +85,11 @@ int difference(const std::uint8_t* a, const std::uint8_t* b, int columns) {
 
 /// A broken line differs from the rows on its two sides, which agree.
 bool broken_line(const cv::Mat& gray, int row) {
-  // Mean over the row. A thin strut or the sensor's noise has 2, random octets 64 or more. Chosen
+  // Mean over the row. A thin strut or the sensor's noise has 2, random bytes 64 or more. Chosen
   // between.
   constexpr double kLevelsMin = 8.0;
-  // The two sides differ by less than a third of that. Chosen; larger misses lines across texture.
+  // The rows above and below differ by less than a third of the line's difference. Chosen; larger
+  // misses lines across texture.
   constexpr int kTimes = 3;
   const std::uint8_t* above = gray.ptr<std::uint8_t>(row - 1);
   const std::uint8_t* here = gray.ptr<std::uint8_t>(row);
@@ -102,9 +103,9 @@ bool broken_line(const cv::Mat& gray, int row) {
                                                      kTimes * difference(above, below, gray.cols));
 }
 
-constexpr int kSide_px = 16;  // a vector of octets
+constexpr int kSide_px = 16;  // a vector of bytes
 
-/// Mean change from pixel to pixel, the lesser of those along and across rows.
+/// Roughness: the smaller of the mean changes from pixel to pixel along and across rows.
 int roughness(const cv::Mat& gray, int row0, int column0) {
   unsigned across = 0;
   unsigned along = 0;
@@ -120,10 +121,10 @@ int roughness(const cv::Mat& gray, int row0, int column0) {
   return static_cast<int>(std::min(across, along) / (kSide_px * (kSide_px - 1)));
 }
 
-/// Counts tiles that are rough and much rougher than the last good frame was nearby: the finest
-/// texture is nearly as rough, but not from one frame to the next.
+/// Counts tiles that are rough and much rougher than in the last good frame nearby. The finest
+/// texture is nearly as rough, but does not appear from one frame to the next.
 int count_rough_tiles(const cv::Mat& gray, QualityHistory* history) {
-  // Under the roughness of octets with one flipped bit in ten, 45. Random octets have 85: a third
+  // Under the roughness of bytes with one flipped bit in ten, 45. Random bytes have 85: a third
   // of their range, 256.
   constexpr int kRough = 40;
   // Chosen; larger misses errors in rough texture, smaller counts texture that comes into view.
@@ -144,7 +145,8 @@ int count_rough_tiles(const cv::Mat& gray, QualityHistory* history) {
   return count;
 }
 
-/// Broken in none of the last frames, good or bad: errors strike any row, a crosshair one.
+/// A line that was broken in none of the last frames, good or bad: errors strike random rows, a
+/// crosshair the same ones.
 bool is_new_line(int row, bool broken, QualityHistory* history) {
   std::uint8_t& known = history->lines_known.at<std::uint8_t>(row);
   const bool is_new = broken && known == 0;

@@ -19,8 +19,8 @@ double level_exceeded(const LevelCounts& counts, double total, double part) {
   return 0.0;
 }
 
-/// Factor of light that brings the bright pixels to their level. Saturated ones only show that it
-/// is too much: the more of them, the larger the step.
+/// Factor of light that brings the bright pixels to their level. Saturated pixels do not measure
+/// the excess of light: the more of them, the larger the step.
 double wanted_factor(const LevelCounts& counts,
                      double total,
                      double gamma,
@@ -31,7 +31,8 @@ double wanted_factor(const LevelCounts& counts,
   const double bright = std::max(kLevelMin, level_exceeded(counts, total, options.bright_part));
   double factor = std::pow(options.bright_level / bright, gamma);
   if (saturated > options.bright_part) {
-    // Part of saturated pixels that takes the largest step. Chosen: ten times what may be bright.
+    // Part of saturated pixels with the largest step. Chosen: ten times the part that may be
+    // bright.
     constexpr double kMany = 0.2;
     const double weight = std::min(1.0, saturated / kMany);
     factor = std::min(factor, std::pow(options.step_max, -weight));

@@ -1,4 +1,4 @@
-// Exposure and gain for the next frame, from what the target's pixels were in this one.
+// Exposure and gain for the next frame, from the levels of the target's pixels in this one.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@ struct Exposure {
   double gain = 1.0;
 };
 
-/// What the camera can do. Its driver fills this in; the defaults are for tests.
+/// Limits and response of the camera. Its driver fills this in; the defaults are for tests.
 struct ExposureRange {
   double exposure_min_s = 1e-5;
   double exposure_max_s = 0.1;
@@ -29,10 +29,10 @@ struct ExposureOptions {
   double bright_part = 0.02;  ///< this part of the target's pixels may exceed `bright_level`
   // Chosen: room for a quarter more light in the next frame.
   double bright_level = 0.8;  ///< of full scale
-  // Chosen: under the factor of 2.5 by which the verdict calls a frame dark.
+  // Chosen: under 2.5, the factor by which the verdict takes a frame for dark.
   double step_max = 2.0;  ///< factor of light from a frame to the next at most
   // Chosen; larger stays farther from `bright_level`, smaller follows the noise of the levels.
-  double dead_band = 0.1;  ///< relative change that is not worth a step
+  double dead_band = 0.1;  ///< smaller relative changes cause no step
   // Chosen: less than a pixel. Larger blurs the finest blobs, smaller takes more gain and noise.
   double blur_max_px = 0.5;  ///< image motion during an exposure
 };

@@ -1,4 +1,4 @@
-// What became of a frame.
+// The use of a frame: processed, or skipped for a reason.
 #pragma once
 
 #include <cstdint>

@@ -11,7 +11,7 @@ void import_frame(const ImageView& frame, cv::Mat* gray) {
   gray->create(frame.height_px, frame.width_px, CV_8UC1);
   const auto width = static_cast<std::size_t>(frame.width_px);
   for (int row = 0; row < frame.height_px; ++row) {
-    const std::uint8_t* from = frame.data + row * frame.stride_octets;
+    const std::uint8_t* from = frame.data + row * frame.stride_bytes;
     std::uint8_t* to = gray->ptr<std::uint8_t>(row);
     if (frame.format == PixelFormat::kGray8) {
       std::memcpy(to, from, width);

@@ -1,4 +1,4 @@
-// The frame as the other stages see it: 8-bit gray.
+// The frame for all other stages: 8-bit gray.
 #pragma once
 
 #include <opencv2/core/mat.hpp>
@@ -8,7 +8,7 @@
 namespace polhode {
 
 /// Copies the camera's frame into `gray` (CV_8UC1, allocated once). 16-bit pixels keep their upper
-/// octet.
+/// byte.
 void import_frame(const ImageView& frame, cv::Mat* gray);
 
 }  // namespace polhode

@@ -34,7 +34,8 @@ Histogram histogram(const cv::Mat& gray, int row_step) {
   return part[0];
 }
 
-/// Mean change over one pixel by that over four: blur lowers the first more than the second.
+/// Sharpness: mean change over one pixel by that over four. Blur lowers the first more than the
+/// second.
 double sharpness(const cv::Mat& gray, int lit_level) {
   constexpr int kRowStep = 8;  // with every second column a sixteenth of the pixels
   constexpr int kFar_px = 4;   // over a blur of two or three pixels. Chosen
@@ -59,9 +60,10 @@ ImageLevels measure_levels(const cv::Mat& gray, const ImageOptions& options) {
   // One pixel in a thousand: a target of 1 % of the image is ten times that; hot pixels and stars
   // are fewer.
   constexpr double kBrightFraction = 1e-3;
-  // In a large image the smallest target that can be tracked is less than that: 20 x 20 px.
+  // In a large image a fixed number: the smallest target that can be tracked, 20 x 20 px, is less
+  // than 0.1 %.
   constexpr double kBright_px = 400.0;
-  // So many pixels are enough: a thousandth of them scatters by 4.5 %.
+  // Least pixels of the sample: a thousandth of them scatters by 4.5 %.
   constexpr double kEnough_px = 5e5;
   const int row_step =
       std::max(1, static_cast<int>(std::lround(static_cast<double>(gray.total()) / kEnough_px)));

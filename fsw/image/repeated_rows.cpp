@@ -7,10 +7,10 @@
 namespace polhode {
 namespace {
 
-/// Can the row be recognised?
+/// Can the row be recognised? Blank rows cannot.
 bool recognisable(const std::uint8_t* row, int columns) {
-  // So many that differ from the first are repeated by chance less than once in 10^10, with noise
-  // of a level or more.
+  // Least pixels that differ from the first: such a row is repeated by chance less than once in
+  // 10^10, with noise of a level or more.
   constexpr int kPixelsMin = 32;
   int different = 0;
   for (int column = 1; column < columns && different < kPixelsMin; ++column) {
@@ -31,7 +31,7 @@ int mean_level(const std::uint8_t* row, int columns) {
   return count > 0 ? sum / count : 0;
 }
 
-/// Counts rows in their order in the image.
+/// Counts repeated, fresh and blank rows in the order of the image.
 struct Runs {
   RepeatedRows rows;
   int last = -1;
@@ -72,8 +72,8 @@ RepeatedRows compare_rows(const cv::Mat& gray,
       with_blank.add(true);
     }
   }
-  // An eighth of the image (decision 0002): the edge of a body moves over fewer rows since the last
-  // good frame. A frame that is blank all over need not be a repeated one.
+  // An eighth of the image (decision 0002): a body's edge moves over fewer rows between frames. A
+  // frame that is blank all over need not be a repeated one.
   constexpr int kBlankPart = 8;
   const bool torn_off = kBlankPart * blank >= gray.rows && with_blank.rows.fresh > 0;
   return torn_off ? with_blank.rows : recognisable_rows.rows;

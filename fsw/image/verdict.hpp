@@ -1,4 +1,4 @@
-// The verdict on a frame, as plain data for whoever publishes it.
+// The verdict on a frame, as plain data.
 #pragma once
 
 #include <cstddef>
@@ -6,29 +6,29 @@
 
 namespace polhode {
 
-/// What is wrong with a frame.
+/// Faults of a frame.
 enum class FrameFault : std::uint8_t {
   kNone,
   kDark,       ///< nothing bright, or far darker than the frames before
   kFlat,       ///< no contrast
-  kSaturated,  ///< far more of what is lit is saturated than in the frames before
-  kFrozen,     ///< the previous frame once more
+  kSaturated,  ///< far more of the lit pixels are saturated than in the frames before
+  kFrozen,     ///< the previous frame again
   kTorn,       ///< part of it is the previous frame's
   kBitErrors,  ///< single pixels, lines or blocks that are not of this image
   kBlurred,    ///< far less sharp than the frames before
 };
 inline constexpr std::size_t kFrameFaults = 8;  // as many as the enumeration has
 
-/// What is done with it. kCare: a degraded frame, pose only; nothing of it enters the map.
+/// Use of the frame. kCare: a degraded frame, pose only; nothing of it enters the map.
 enum class FrameDecision : std::uint8_t { kUse, kCare, kSkip };
 
 struct FrameVerdict {
   FrameDecision decision = FrameDecision::kUse;
-  FrameFault fault = FrameFault::kNone;  ///< the one decided on: of the gravest found the first, in
-                                         ///< the order of precedence
+  FrameFault fault = FrameFault::kNone;  ///< of the gravest faults the first in the order of
+                                         ///< precedence
   std::uint16_t faults = 0;              ///< bit n: FrameFault n was found
-  float measure = 0.0F;                  ///< what the fault was judged by
-  float limit = 0.0F;                    ///< what it was compared with
+  float measure = 0.0F;                  ///< value that the fault was decided by
+  float limit = 0.0F;                    ///< that `measure` was compared with
 };
 
 }  // namespace polhode

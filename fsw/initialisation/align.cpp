@@ -9,30 +9,30 @@ namespace {
 
 using Turn = AlignmentWorkspace::Turn;
 
-// Correlation of two views of one spot, where it was detected and where it was not: nothing else
-// speaks for the latter.
+// Correlation of two views of one spot, in a frame where it was detected and in one where it was
+// not. The latter has no other support.
 constexpr double kZnccDetected = 0.75;
 constexpr double kZnccMissed = 0.9;
 // Three sigma of a detection.
 constexpr double kMovedMax_px = 1.5;
-// What a view adds to the image noise: interpolation, relief within the window.
+// Error that a view adds to the image noise: interpolation, relief within the window.
 constexpr double kViewSigma_px = 0.08;
 // Frames in a row that may miss a track.
 constexpr int kGapMax = 3;
-// Frames from the middle view in which a track is looked for where it was not detected: over more
-// than 20 in all, shading that wanders over a surface looks like motion (decision 0107).
+// Frames from the middle view in which a track is searched for without a detection: over more than
+// 20 in all, shading that moves over a surface looks like motion (decision 0107).
 constexpr std::size_t kFollowMax = 10;
 // Two detections so near each other are one spot.
 constexpr double kSameSpot_px = 1.5;
 
 /// A track that is being aligned.
 struct Alignment {
-  const StartPictures& pictures;
+  const InitialImages& images;
   std::span<const TrackPlaces> places;
   std::size_t track = 0;
   std::size_t middle = 0;  ///< frame of the view that the others are registered to
-  /// From where the middle view was seen to where it is at its frame's time. Over few frames rows
-  /// and motion are nearly the same.
+  /// Shift of the middle view by its row time. Over few frames rows and motion are nearly the same,
+  /// so one shift serves all.
   Eigen::Vector2d row_shift = Eigen::Vector2d::Zero();
   Neighbours neighbours = {};
 };
@@ -44,7 +44,7 @@ struct Spot {
   double sigma_px = 0.0;
 };
 
-/// Looks for the middle view about a place of another frame.
+/// Searches for the middle view about a place of another frame.
 std::optional<Spot> find_again(const Crop& crop,
                                const LocalMotion& guess,
                                double zncc_min,
@@ -53,27 +53,28 @@ std::optional<Spot> find_again(const Crop& crop,
   if (!found || found->zncc < zncc_min) {
     return std::nullopt;
   }
-  const Spot spot{.px = crop.to_picture(found->place),
+  const Spot spot{.px = crop.to_image(found->place),
                   .sigma_px = crop.reduction * std::hypot(found->sigma, kViewSigma_px)};
   const bool is_near = (spot.px - guess.place_px).norm() <= kMovedMax_px * crop.reduction;
   return is_near ? std::optional(spot) : std::nullopt;
 }
 
-/// The observation, moved to where the middle view is found; as it is where that says less.
-std::optional<StartObservation> aligned(const Alignment& a,
-                                        const StartObservation& detected,
-                                        const PatchTemplate& patch) {
+/// The observation, moved to where the middle view is found; unchanged where the alignment is less
+/// certain than the detection.
+std::optional<InitialObservation> aligned(const Alignment& a,
+                                          const InitialObservation& detected,
+                                          const PatchTemplate& patch) {
   const auto frame = static_cast<std::size_t>(detected.frame);
-  const CameraModel& camera = a.pictures.camera;
+  const CameraModel& camera = a.images.camera;
   const Eigen::Vector2d place_px = a.places[a.track].px[frame].cast<double>();
   LocalMotion guess =
       local_motion(a.places, a.neighbours, a.track, a.middle, frame).value_or(LocalMotion{});
   guess.place_px = place_px;
-  const auto spot = find_again(*a.pictures.crop(frame), guess, kZnccDetected, patch);
+  const auto spot = find_again(*a.images.crop(frame), guess, kZnccDetected, patch);
   if (!spot) {
     return std::nullopt;
   }
-  StartObservation moved = detected;
+  InitialObservation moved = detected;
   const double sigma = to_normalised(spot->sigma_px, camera);
   if (sigma < detected.sigma_normalised) {
     moved.normalised += undistort(camera, spot->px) - undistort(camera, place_px);
@@ -82,7 +83,7 @@ std::optional<StartObservation> aligned(const Alignment& a,
   return moved;
 }
 
-/// Is the spot another track's? One that waits for its turn is this one's from now on.
+/// Does another track already have the spot? A track that still waits is marked as the same spot.
 bool is_taken(const Alignment& a, std::size_t frame, const Spot& spot, AlignmentWorkspace* w) {
   for (std::size_t i = 0; i < a.places.size(); ++i) {
     if (i == a.track || w->turns[i] == Turn::kSame || !a.places[i].has(frame) ||
@@ -97,11 +98,11 @@ bool is_taken(const Alignment& a, std::size_t frame, const Spot& spot, Alignment
   return false;
 }
 
-/// The track in a frame that missed it.
-std::optional<StartObservation> followed(const Alignment& a,
-                                         std::size_t frame,
-                                         AlignmentWorkspace* w) {
-  const CameraModel& camera = a.pictures.camera;
+/// The track's observation in a frame that missed it.
+std::optional<InitialObservation> followed(const Alignment& a,
+                                           std::size_t frame,
+                                           AlignmentWorkspace* w) {
+  const CameraModel& camera = a.images.camera;
   const std::size_t away = frame > a.middle ? frame - a.middle : a.middle - frame;
   if (away > kFollowMax) {
     return std::nullopt;
@@ -110,51 +111,50 @@ std::optional<StartObservation> followed(const Alignment& a,
   if (!guess) {
     return std::nullopt;
   }
-  const auto spot = find_again(*a.pictures.crop(frame), *guess, kZnccMissed, w->patch);
+  const auto spot = find_again(*a.images.crop(frame), *guess, kZnccMissed, w->patch);
   if (!spot || is_taken(a, frame, *spot, w)) {
     return std::nullopt;
   }
-  return StartObservation{.frame = static_cast<int>(frame),
-                          .normalised = undistort(camera, spot->px) + a.row_shift,
-                          .sigma_normalised = to_normalised(spot->sigma_px, camera)};
+  return InitialObservation{.frame = static_cast<int>(frame),
+                            .normalised = undistort(camera, spot->px) + a.row_shift,
+                            .sigma_normalised = to_normalised(spot->sigma_px, camera)};
 }
 
-/// The track in one frame, or nothing.
-std::optional<StartObservation> observe(const Alignment& a,
-                                        const StartTrack& track,
-                                        std::size_t frame,
-                                        AlignmentWorkspace* w) {
-  const StartObservation* const detected = find_frame(track, static_cast<int>(frame));
-  const Crop* const crop = a.pictures.crop(frame);
-  if (crop == nullptr || crop->reduction != a.pictures.crop(a.middle)->reduction) {
+/// The track's observation in one frame, or nothing.
+std::optional<InitialObservation> observe(const Alignment& a,
+                                          const InitialTrack& track,
+                                          std::size_t frame,
+                                          AlignmentWorkspace* w) {
+  const InitialObservation* const detected = find_frame(track, static_cast<int>(frame));
+  const Crop* const crop = a.images.crop(frame);
+  if (crop == nullptr || crop->reduction != a.images.crop(a.middle)->reduction) {
     return detected != nullptr ? std::optional(*detected) : std::nullopt;
   }
   return detected != nullptr ? aligned(a, *detected, w->patch) : followed(a, frame, w);
 }
 
-void align_track(const StartPictures& pictures,
+void align_track(const InitialImages& images,
                  std::size_t frames,
-                 std::span<StartTrack> tracks,
+                 std::span<InitialTrack> tracks,
                  std::size_t t,
                  AlignmentWorkspace* w) {
-  StartTrack& track = tracks[t];
-  StartObservation middle = track.observations[track.observations.size() / 2];
-  Alignment a{.pictures = pictures,
-              .places = std::span(pictures.places).first(tracks.size()),
+  InitialTrack& track = tracks[t];
+  InitialObservation middle = track.observations[track.observations.size() / 2];
+  Alignment a{.images = images,
+              .places = std::span(images.places).first(tracks.size()),
               .track = t,
               .middle = static_cast<std::size_t>(middle.frame)};
-  const Crop* const reference = pictures.crop(a.middle);
+  const Crop* const reference = images.crop(a.middle);
   const Eigen::Vector2d place_px = a.places[t].px[a.middle].cast<double>();
   if (reference == nullptr || !make_template(*reference, reference->to_crop(place_px), &w->patch)) {
     return;
   }
-  a.row_shift = middle.normalised - undistort(pictures.camera, place_px);
+  a.row_shift = middle.normalised - undistort(images.camera, place_px);
   a.neighbours = nearest_tracks(a.places, t, a.middle);
-  // It shows the spot that it defines.
-  middle.sigma_normalised =
-      std::min(middle.sigma_normalised,
-               to_normalised(reference->reduction * kViewSigma_px, pictures.camera));
-  std::array<std::optional<StartObservation>, limits::kStartFrames> found;
+  // The middle view defines the spot: it has the error of a view only.
+  middle.sigma_normalised = std::min(
+      middle.sigma_normalised, to_normalised(reference->reduction * kViewSigma_px, images.camera));
+  std::array<std::optional<InitialObservation>, limits::kInitialFrames> found;
   found[a.middle] = middle;
   int missed = 0;
   for (std::size_t f = a.middle; f-- > 0 && missed <= kGapMax;) {
@@ -167,7 +167,7 @@ void align_track(const StartPictures& pictures,
     missed = found[f] ? 0 : missed + 1;
   }
   track.observations.clear();
-  for (const std::optional<StartObservation>& o : found) {
+  for (const std::optional<InitialObservation>& o : found) {
     if (o) {
       (void)track.observations.push_back(*o);
     }
@@ -176,22 +176,22 @@ void align_track(const StartPictures& pictures,
 
 }  // namespace
 
-void align_tracks(const StartPictures& pictures,
+void align_tracks(const InitialImages& images,
                   std::size_t frames,
-                  std::span<StartTrack> tracks,
+                  std::span<InitialTrack> tracks,
                   AlignmentWorkspace* w) {
   std::fill(w->turns.begin(), w->turns.end(), Turn::kWaits);
-  // The longest first: of two that show the same spot it is the one that stays. Alignment changes
-  // lengths, so they are those of the detections.
-  FixedVector<std::size_t, limits::kStartTracks> lengths;
-  for (const StartTrack& track : tracks) {
+  // The longest first: of two tracks of one spot the longer stays. Lengths are those of the
+  // detections, as alignment changes them.
+  FixedVector<std::size_t, limits::kInitialTracks> lengths;
+  for (const InitialTrack& track : tracks) {
     (void)lengths.push_back(track.observations.size());
   }
   for (std::size_t length = frames; length >= 2; --length) {
     for (std::size_t t = 0; t < tracks.size(); ++t) {
       if (lengths[t] == length && w->turns[t] == Turn::kWaits) {
         w->turns[t] = Turn::kAligned;
-        align_track(pictures, frames, tracks, t, w);
+        align_track(images, frames, tracks, t, w);
       }
     }
   }

@@ -1,4 +1,5 @@
-// Observations of a start's tracks, registered to their track's middle view.
+// Sub-pixel alignment of tracks before the initialisation: registers each observation to the view
+// in the middle of its track.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,34 +15,34 @@
 
 namespace polhode {
 
-/// Pictures of a problem's frames, and where its tracks were detected in them.
-struct StartPictures {
+/// Images of a problem's frames, and the places where its tracks were detected in them.
+struct InitialImages {
   CameraModel camera;
-  Crops crops;  ///< kept from problem to problem: copies of them would not fit
-  std::array<std::int8_t, limits::kStartFrames> crop_of{};  ///< by frame; -1: there is none
-  std::array<TrackPlaces, limits::kStartTracks> places;
+  Crops crops;  ///< kept from problem to problem, as they are too large to copy
+  std::array<std::int8_t, limits::kInitialFrames> crop_of{};  ///< by frame; -1: there is none
+  std::array<TrackPlaces, limits::kInitialTracks> places;
 
   /// nullptr where there is none.
   [[nodiscard]] const Crop* crop(std::size_t frame) const {
-    return crop_of[frame] < 0 ? nullptr : &crops.held[static_cast<std::uint8_t>(crop_of[frame])];
+    return crop_of[frame] < 0 ? nullptr : &crops.kept[static_cast<std::uint8_t>(crop_of[frame])];
   }
 };
 
 /// Holds nothing between calls.
 struct AlignmentWorkspace {
-  enum class Turn : std::uint8_t { kWaits, kAligned, kSame };  ///< kSame: another has its spot
+  enum class Turn : std::uint8_t { kWaits, kAligned, kSame };  ///< kSame: of another's spot
 
   PatchTemplate patch;
-  std::array<Turn, limits::kStartTracks> turns{};
+  std::array<Turn, limits::kInitialTracks> turns{};
 };
 
-/// Moves each observation to where the track's middle view is found again: what is aligned to one
-/// view does not drift. Follows tracks into frames that missed them, joins those that show the same
-/// spot, and drops observations that do not look alike. Observations without a picture stay.
+/// Moves each observation to the place where the track's middle view is found: alignment to one
+/// view does not drift. Follows tracks into frames that missed them, joins tracks of one spot, and
+/// drops observations that do not look alike. Observations without an image stay.
 /// @cost  at most one registration for each track and frame.
-void align_tracks(const StartPictures& pictures,
+void align_tracks(const InitialImages& images,
                   std::size_t frames,
-                  std::span<StartTrack> tracks,
+                  std::span<InitialTrack> tracks,
                   AlignmentWorkspace* workspace);
 
 }  // namespace polhode

@@ -10,11 +10,11 @@
 namespace polhode {
 namespace {
 
-Eigen::Matrix3d attitude_of_camera(const StartProblem& problem, std::size_t frame) {
+Eigen::Matrix3d attitude_of_camera(const InitialProblem& problem, std::size_t frame) {
   return problem.R_IC.empty() ? Eigen::Matrix3d::Identity() : problem.R_IC[frame];
 }
 
-std::size_t middle_of(const StartHypothesis& h) {
+std::size_t middle_of(const InitialHypothesis& h) {
   std::size_t middle = h.frames / 2;
   while (middle > 0 && h.posed[middle] == 0) {
     --middle;
@@ -23,9 +23,9 @@ std::size_t middle_of(const StartHypothesis& h) {
 }
 
 /// All attitudes follow from the one in the middle of the hypothesis' frames by a steady rate.
-void hold_attitude(const StartProblem& problem,
-                   const Eigen::Vector3d& rate_I_rad_s,
-                   StartHypothesis* h) {
+void fix_attitude(const InitialProblem& problem,
+                  const Eigen::Vector3d& rate_I_rad_s,
+                  InitialHypothesis* h) {
   const std::size_t middle = middle_of(*h);
   const Eigen::Matrix3d R_IT = attitude_of_camera(problem, middle) * h->poses[middle].R_CT;
   for (std::size_t f = 0; f < h->frames; ++f) {
@@ -36,19 +36,19 @@ void hold_attitude(const StartProblem& problem,
 }
 
 // Rate, and (u, v, s) of each frame.
-constexpr int kSteadyUnknowns = 3 + 3 * static_cast<int>(limits::kStartFrames);
+constexpr int kSteadyUnknowns = 3 + 3 * static_cast<int>(limits::kInitialFrames);
 using SteadyVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kSteadyUnknowns, 1>;
 using SteadyMatrix =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kSteadyUnknowns, kSteadyUnknowns>;
 
-/// Newton's step of the rate [rad/s], with positions and points where they fit it best; zero where
-/// there is none.
+/// Newton's step of the rate [rad/s], with positions and points eliminated; zero where there is
+/// none.
 Eigen::Vector3d step_of_rate(const Selection& c,
                              const Eigen::Vector3d& rate_I_rad_s,
-                             StartWorkspace* workspace,
-                             StartHypothesis* h) {
-  constexpr double kDamping = 1e-6;  // relative; it holds the gauge
-  StartAdjustmentWorkspace& w = workspace->adjustment;
+                             InitialWorkspace* workspace,
+                             InitialHypothesis* h) {
+  constexpr double kDamping = 1e-6;  // relative; it fixes the gauge
+  InitialAdjustmentWorkspace& w = workspace->adjustment;
   const std::span observations = workspace->set.observations.view();
   if (!reduced_camera_system(observations, h->view(), selection_loss(c, 0), &w)) {
     return Eigen::Vector3d::Zero();
@@ -82,22 +82,23 @@ Eigen::Vector3d step_of_rate(const Selection& c,
     }
   }
   N.diagonal() *= 1.0 + kDamping;
-  const SteadyVector step = N.ldlt().solve(g);  // of its lower triangle
+  const SteadyVector step = N.ldlt().solve(g);  // from its lower triangle
   return step.allFinite() ? Eigen::Vector3d(-step.head<3>()) : Eigen::Vector3d::Zero();
 }
 
-/// Lowest cost of a body that rotates steadily; `steady` comes at rest, and becomes it.
+/// Lowest cost of a body that rotates at a constant rate. @param steady  in: the body at rest; out:
+/// the rotating one.
 double cost_of_steady(const Selection& free,
                       const Selection& held,
-                      StartWorkspace* w,
-                      StartHypothesis* steady) {
-  constexpr int kSteps = 4;  // each is followed by a whole adjustment; two or three settle
-  StartHypothesis& trial = w->finalists[0];
+                      InitialWorkspace* w,
+                      InitialHypothesis* steady) {
+  constexpr int kSteps = 4;  // each is followed by a full adjustment; two or three settle
+  InitialHypothesis& trial = w->finalists[0];
   Eigen::Vector3d rate_I_rad_s = Eigen::Vector3d::Zero();
   for (int i = 0; i < kSteps; ++i) {
     trial = *steady;
     const Eigen::Vector3d next = rate_I_rad_s + step_of_rate(free, rate_I_rad_s, w, &trial);
-    hold_attitude(free.problem, next, &trial);
+    fix_attitude(free.problem, next, &trial);
     if (!refine_to_minimum(held, w->set.observations.view(), &w->adjustment, &trial) ||
         !(trial.fit.cost < steady->fit.cost)) {
       break;
@@ -110,27 +111,28 @@ double cost_of_steady(const Selection& free,
 
 }  // namespace
 
-double compare_at_rest(Selection* c, StartWorkspace* w) {
-  StartHypothesis& winner = w->refined[0];
-  StartHypothesis& at_rest = w->at_rest;
+double compare_at_rest(Selection* c, InitialWorkspace* w) {
+  InitialHypothesis& winner = w->refined[0];
+  InitialHypothesis& at_rest = w->at_rest;
   Selection held = *c;
-  held.rotations_held = true;
+  held.rotations_fixed = true;
   at_rest = winner;
-  hold_attitude(c->problem, Eigen::Vector3d::Zero(), &at_rest);
+  fix_attitude(c->problem, Eigen::Vector3d::Zero(), &at_rest);
   if (!refine_to_minimum(held, w->set.observations.view(), &w->adjustment, &at_rest)) {
     return -std::numeric_limits<double>::infinity();
   }
   constexpr int kRotation = 3;  // unknowns
   const double of_unknown = std::log(2.0 * static_cast<double>(winner.fit.observations));
   const double noise = std::max(1.0, winner.fit.noise_scale);
-  const double evidence = kRotation * (winner.fit.frames - 1) * of_unknown -
-                          (at_rest.fit.cost - winner.fit.cost) / (noise * noise);
-  if (!(evidence > 0.0)) {
-    return evidence;
+  const double margin = kRotation * (winner.fit.frames - 1) * of_unknown -
+                        (at_rest.fit.cost - winner.fit.cost) / (noise * noise);
+  if (!(margin > 0.0)) {
+    return margin;
   }
-  // Free rotation has so many unknowns that much is forgiven to rest. A steady one has three.
+  // The penalty on free rotation's many unknowns favours rest too much. A constant rate has three
+  // only.
   w->finalists.resize(2);
-  StartHypothesis& steady = w->finalists[1];
+  InitialHypothesis& steady = w->finalists[1];
   steady = at_rest;
   const double against_steady =
       kRotation * of_unknown -
@@ -139,8 +141,8 @@ double compare_at_rest(Selection* c, StartWorkspace* w) {
     return 0.0;
   }
   winner = at_rest;
-  c->rotations_held = true;
-  return evidence;
+  c->rotations_fixed = true;
+  return margin;
 }
 
 }  // namespace polhode

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "base/sound.hpp"
+#include "base/validity.hpp"
 #include "initialisation/row_times.hpp"
 
 namespace polhode {
@@ -13,19 +13,19 @@ namespace {
 // A spot that is missed in one frame is found again: tracks that reach the last two are alive.
 constexpr std::int32_t kEnd = 2;
 
-struct PictureChange {
+struct ImageChange {
   int matches = 0;
   double shift_px = 0.0;     ///< mean motion
   double relative_px = 0.0;  ///< RMS motion about the mean
   double extent_px = 0.0;    ///< RMS distance of the features from their mean
 };
 
-PictureChange change_since(const CollectedFrame& before,
-                           const Features& now,
-                           double ratio_max,
-                           FeatureMatches* matches) {
+ImageChange change_since(const CollectedFrame& before,
+                         const Features& now,
+                         double ratio_max,
+                         FeatureMatches* matches) {
   match_mutual(before.features.view(), now.view(), ratio_max, matches);
-  PictureChange change;
+  ImageChange change;
   change.matches = static_cast<int>(matches->size());
   if (matches->empty()) {
     return change;
@@ -51,16 +51,15 @@ PictureChange change_since(const CollectedFrame& before,
   return change;
 }
 
-/// Is the frame different enough from the last collected one to tell something about depth?
+/// Is the frame different enough from the last collected one to constrain depth?
 bool worth_collecting(const Features& features, double ratio_max, TrackTable* tracks) {
   if (tracks->frames.empty()) {
     return true;
   }
-  const PictureChange change =
+  const ImageChange change =
       change_since(tracks->frames.back(), features, ratio_max, &tracks->scratch);
-  // A turn of 2 deg moves a body's near spots by 3 % of its radius against its far ones; a shift of
-  // a fifth of the radius changes the direction of view by as much as matters for translation
-  // alone.
+  // A rotation of 2 deg moves a body's near points against its far ones by 3 % of its radius. For
+  // translation alone, a shift of a fifth of the radius changes the direction of view as much.
   constexpr double kRelativeMin = 0.03;
   constexpr double kShiftMin = 0.2;
   constexpr int kMatchesFew = 30;
@@ -68,15 +67,15 @@ bool worth_collecting(const Features& features, double ratio_max, TrackTable* tr
          change.shift_px > kShiftMin * change.extent_px;
 }
 
-/// How many times its own sigma a feature is off that stands for a track's point: what changes a
-/// patch moves its centre (decision 0066).
+/// Factor on a feature's sigma as a point of a track: a change of the patch's appearance moves its
+/// centre (decision 0066).
 double sigma_factor(const TrackPoint& point) {
-  constexpr double kLike2 = 200.0 * 200.0;  // as far as the sigma of a feature holds
+  constexpr double kLike2 = 200.0 * 200.0;  // the sigma of a feature is right up to here
   return std::max(1.0, static_cast<double>(point.distance2) / kLike2);
 }
 
-/// Tracks that reach the newest frames, by the frame they begin in.
-using BegunIn = std::array<std::size_t, limits::kStartFrames>;
+/// Numbers of tracks that reach the newest frames, by their first frame.
+using BegunIn = std::array<std::size_t, limits::kInitialFrames>;
 
 BegunIn count_alive(const TrackTable& table) {
   const auto frames = static_cast<std::int32_t>(table.frames.size());
@@ -91,8 +90,8 @@ BegunIn count_alive(const TrackTable& table) {
 
 /// The first of the newest frames that enough tracks span from end to end.
 std::size_t first_spanned(const TrackTable& table, int frames_min) {
-  // As many tracks as a comparison is sure with (decision 0030). Of many, a third: a window
-  // that fewer span is long, and the search in it harder. Chosen.
+  // Tracks that a comparison needs (decision 0030), or a third of all: a window that fewer span is
+  // long, and the search in it harder. Chosen.
   constexpr std::size_t kSpanningMin = 40;
   constexpr std::size_t kPart = 3;
   const BegunIn begun = count_alive(table);
@@ -101,7 +100,7 @@ std::size_t first_spanned(const TrackTable& table, int frames_min) {
   const std::size_t latest = frames - std::min(frames, static_cast<std::size_t>(frames_min));
   std::size_t spanning = begun[0];
   for (std::size_t first = 0; first < latest; ++first) {
-    spanning += begun[first + 1];  // an end is kEnd frames wide
+    spanning += begun[first + 1];  // the beginning may be kEnd frames wide
     if (spanning >= std::max(kSpanningMin, alive / kPart)) {
       return first;
     }
@@ -117,8 +116,8 @@ void clear(InitialisationState* state) {
   state->since_asked = 0;
 }
 
-bool is_sound(const InitialisationState& state) {
-  return sound::is_bool(state.asked_short) && is_sound(state.tracks);
+bool is_valid(const InitialisationState& state) {
+  return validity::is_bool(state.asked_short) && is_valid(state.tracks);
 }
 
 Collected collect_frame(const CollectibleFrame& frame,
@@ -134,7 +133,7 @@ Collected collect_frame(const CollectibleFrame& frame,
   add_frame(frame, ratio_max, &state->tracks);
   drop_resting_tracks(&state->tracks, resting);
   to_frame_time(camera, &state->tracks);
-  constexpr std::size_t kConnectingMin = 8;  // fewer cannot carry a start
+  constexpr std::size_t kConnectingMin = 8;  // too few for an initialisation
   drop_unconnected_frames(kConnectingMin, &state->tracks);
   const Collected collected{.kept = true, .tables_full = state->tracks.full_count};
   state->tracks.full_count = 0;
@@ -142,20 +141,20 @@ Collected collect_frame(const CollectibleFrame& frame,
   return collected;
 }
 
-bool wants_selection(const StartOptions& options, const InitialisationState& state) {
-  // A further frame of many says little, and a selection among many takes long. Chosen: under
-  // twelve frames each new one asks.
+bool wants_selection(const InitialOptions& options, const InitialisationState& state) {
+  // One more frame of many adds little, and a selection over many takes long. Chosen: with fewer
+  // than twelve frames each new one requests a selection.
   constexpr int kPart = 12;
   const auto frames = static_cast<int>(state.tracks.frames.size());
   return frames >= options.frames_min && state.since_asked > frames / kPart;
 }
 
 void pose_problem(const CameraModel& camera,
-                  const StartOptions& options,
+                  const InitialOptions& options,
                   std::uint64_t seed,
                   InitialisationState* state,
-                  StartJob* job) {
-  static_assert(limits::kStartFrames <= 64);
+                  InitialisationJob* job) {
+  static_assert(limits::kInitialFrames <= 64);
   const TrackTable& table = state->tracks;
   state->since_asked = 0;
   const std::size_t first = first_spanned(table, options.frames_min);
@@ -164,20 +163,20 @@ void pose_problem(const CameraModel& camera,
   job->frame_count = table.frames.size() - job->first_frame;
   job->track_count = table.tracks.size();
   job->seed = seed;
-  job->pictures.camera = camera;
+  job->images.camera = camera;
   job->options = options;
   for (std::size_t i = 0; i < job->frame_count; ++i) {
     const std::int64_t since_ns = table.frames[job->first_frame + i].timestamp_ns -
                                   table.frames[job->first_frame].timestamp_ns;
     job->times_s[i] = static_cast<double>(since_ns) * 1e-9;
     job->R_IC[i] = table.frames[job->first_frame + i].R_IC;
-    job->pictures.crop_of[i] = static_cast<std::int8_t>(
-        find_crop(table.frames[job->first_frame + i].frame, job->pictures.crops));
+    job->images.crop_of[i] = static_cast<std::int8_t>(
+        find_crop(table.frames[job->first_frame + i].frame, job->images.crops));
   }
   for (std::size_t t = 0; t < job->track_count; ++t) {
-    StartTrack& track = job->tracks[t];
+    InitialTrack& track = job->tracks[t];
     track.observations.clear();
-    TrackPlaces& places = job->pictures.places[t];
+    TrackPlaces& places = job->images.places[t];
     places.frames = 0;
     for (const TrackPoint& point : table.tracks[t].points) {
       const int frame = point.frame - static_cast<int>(job->first_frame);

@@ -21,7 +21,7 @@ constexpr double kVarianceMin = 1e-6;
 
 double convexity_cue(std::span<const TrackObservation> observations,
                      int frame,
-                     const StartGeometryView& geometry) {
+                     const InitialGeometryView& geometry) {
   if (geometry.posed[static_cast<std::size_t>(frame)] == 0) {
     return 0.0;
   }

@@ -12,51 +12,52 @@ namespace {
 // tracks leave a third of the equations as a check.
 constexpr int kCommonMin = 12;
 // Frames with fewer tracks are skipped. Chosen; larger drops frames that connect others, smaller
-// keeps frames that end every run through them.
+// keeps frames at which every run ends.
 constexpr int kFrameTracksMin = 8;
-// The share of the median that a frame needs: one over this. Chosen; a frame that lost most of its
-// tracks would end every run through it.
+// Least part of the median number of tracks in a frame: one over this. Chosen; every run would end
+// at a frame that lost most of its tracks.
 constexpr int kMedianPart = 3;
 // Beyond this number of common tracks only a longer run of frames raises the score. Chosen.
 constexpr double kCommonEnough = 60.0;
-// Tracks that each frame should have in the selection, where it has as many. Chosen: half again as
-// many as kFrameTracksEnough.
+// Tracks that each frame should have in the selection, if it has them. Chosen: half again as many
+// as kFrameTracksEnough.
 constexpr int kFrameQuota = 60;
-// With 40 all runs of decision 0030 begin well; with 30 some begin wrongly, with 60 one late.
+// Tracks of a frame that are enough. With 40 all runs of decision 0030 begin well; with 30 some
+// begin wrongly, with 60 one late.
 constexpr int kFrameTracksEnough = 40;
-// A frame short of its quota outweighs all other frames together.
+// Gain of a track in a frame short of its quota: it outweighs all other frames together.
 constexpr int kShortFrameGain = 100;
-static_assert(kShortFrameGain > static_cast<int>(limits::kStartFrames));
+static_assert(kShortFrameGain > static_cast<int>(limits::kInitialFrames));
 
 using FrameMask = std::uint32_t;
-static_assert(limits::kStartFrames <= 32);
+static_assert(limits::kInitialFrames <= 32);
 
 struct Run {
-  FixedVector<int, limits::kStartFrames> frames;
+  FixedVector<int, limits::kInitialFrames> frames;
   FrameMask mask = 0;
   double score = 0.0;
 };
 
-FrameMask mask_of(const StartTrack& track) {
+FrameMask mask_of(const InitialTrack& track) {
   FrameMask mask = 0;
-  for (const StartObservation& o : track.observations) {
+  for (const InitialObservation& o : track.observations) {
     mask |= 1U << static_cast<unsigned>(o.frame);
   }
   return mask;
 }
 
-using FrameCounts = std::array<int, limits::kStartFrames>;
+using FrameCounts = std::array<int, limits::kInitialFrames>;
 
-void count_frames(const StartTrack& track, FrameCounts* counts) {
-  for (const StartObservation& o : track.observations) {
+void count_frames(const InitialTrack& track, FrameCounts* counts) {
+  for (const InitialObservation& o : track.observations) {
     ++(*counts)[static_cast<std::size_t>(o.frame)];
   }
 }
 
 /// Number of tracks in each frame that another frame observes too.
-FrameCounts count_offered(const StartProblem& problem) {
+FrameCounts count_offered(const InitialProblem& problem) {
   FrameCounts counts{};
-  for (const StartTrack& track : problem.tracks) {
+  for (const InitialTrack& track : problem.tracks) {
     if (track.observations.size() >= 2) {
       count_frames(track, &counts);
     }
@@ -65,13 +66,13 @@ FrameCounts count_offered(const StartProblem& problem) {
 }
 
 /// Frames with enough tracks, in order.
-FixedVector<int, limits::kStartFrames> live_frames(const StartProblem& problem) {
+FixedVector<int, limits::kInitialFrames> live_frames(const InitialProblem& problem) {
   const FrameCounts counts = count_offered(problem);
   FrameCounts sorted = counts;
   const auto end = sorted.begin() + static_cast<std::ptrdiff_t>(problem.times_s.size());
   std::sort(sorted.begin(), end);
   const int median = sorted[problem.times_s.size() / 2];
-  FixedVector<int, limits::kStartFrames> live;
+  FixedVector<int, limits::kInitialFrames> live;
   for (std::size_t f = 0; f < problem.times_s.size(); ++f) {
     if (counts[f] >= std::max(kFrameTracksMin, median / kMedianPart)) {
       (void)live.push_back(static_cast<int>(f));
@@ -80,9 +81,9 @@ FixedVector<int, limits::kStartFrames> live_frames(const StartProblem& problem) 
   return live;
 }
 
-int count_common(const StartProblem& problem, FrameMask mask) {
+int count_common(const InitialProblem& problem, FrameMask mask) {
   int count = 0;
-  for (const StartTrack& track : problem.tracks) {
+  for (const InitialTrack& track : problem.tracks) {
     count += (mask_of(track) & mask) == mask ? 1 : 0;
   }
   return count;
@@ -92,7 +93,7 @@ double long_score(std::size_t frames, int common) {
   return static_cast<double>(frames - 1) * std::sqrt(std::min<double>(common, kCommonEnough));
 }
 
-/// On a body with many sides that rotates fast, all frames of a long run observe one flat side
+/// On a body with many faces that rotates fast, all frames of a long run observe one flat face
 /// only. So tracks count more here.
 double crowded_score(std::size_t frames, int common) {
   return std::sqrt(static_cast<double>(frames - 1)) * std::min<double>(common, kCoreTracks);
@@ -100,8 +101,8 @@ double crowded_score(std::size_t frames, int common) {
 
 /// The run of live frames with the highest score.
 template <typename Score>
-Run best_run(const StartProblem& problem, const Score& score) {
-  const FixedVector<int, limits::kStartFrames> live = live_frames(problem);
+Run best_run(const InitialProblem& problem, const Score& score) {
+  const FixedVector<int, limits::kInitialFrames> live = live_frames(problem);
   Run best;
   for (std::size_t begin = 0; begin < live.size(); ++begin) {
     Run run;
@@ -124,11 +125,11 @@ Run best_run(const StartProblem& problem, const Score& score) {
   return best;
 }
 
-using Distances = FixedVector<double, limits::kStartTracks>;
+using Distances = FixedVector<double, limits::kInitialTracks>;
 
 /// Takes the eligible track that lies farthest from those taken.
 template <typename Eligible>
-bool take_farthest(const StartProblem& problem,
+bool take_farthest(const InitialProblem& problem,
                    int frame,
                    const Eligible& eligible,
                    Distances* distance2,
@@ -144,10 +145,10 @@ bool take_farthest(const StartProblem& problem,
   if (farthest < 0.0 || !set->tracks.push_back(static_cast<int>(chosen))) {
     return false;
   }
-  const StartObservation* const taken = find_frame(problem.tracks[chosen], frame);
+  const InitialObservation* const taken = find_frame(problem.tracks[chosen], frame);
   (*distance2)[chosen] = -1.0;
   for (std::size_t i = 0; i < problem.tracks.size(); ++i) {
-    const StartObservation* const other = find_frame(problem.tracks[i], frame);
+    const InitialObservation* const other = find_frame(problem.tracks[i], frame);
     if (taken != nullptr && other != nullptr && (*distance2)[i] >= 0.0) {
       (*distance2)[i] =
           std::min((*distance2)[i], (taken->normalised - other->normalised).squaredNorm());
@@ -156,10 +157,10 @@ bool take_farthest(const StartProblem& problem,
   return true;
 }
 
-using Taken = FixedVector<std::uint8_t, limits::kStartTracks>;
+using Taken = FixedVector<std::uint8_t, limits::kInitialTracks>;
 
-/// By track: is it in the set?
-Taken list_taken(const StartProblem& problem, const SelectionSet& set) {
+/// by track: is it in the set?
+Taken list_taken(const InitialProblem& problem, const SelectionSet& set) {
   Taken taken;
   taken.resize(problem.tracks.size());
   for (const int track : set.tracks) {
@@ -168,8 +169,8 @@ Taken list_taken(const StartProblem& problem, const SelectionSet& set) {
   return taken;
 }
 
-/// Tracks outside the core, so that every frame has its quota.
-void add_frame_quotas(const StartProblem& problem, SelectionSet* set) {
+/// Adds tracks outside the core until every frame has its quota.
+void add_frame_quotas(const InitialProblem& problem, SelectionSet* set) {
   FrameCounts counts{};
   Taken taken = list_taken(problem, *set);
   for (const int track : set->tracks) {
@@ -181,12 +182,12 @@ void add_frame_quotas(const StartProblem& problem, SelectionSet* set) {
     int best_gain = 0;
     int best_track = -1;
     for (std::size_t i = 0; i < problem.tracks.size(); ++i) {
-      const StartTrack& track = problem.tracks[i];
+      const InitialTrack& track = problem.tracks[i];
       if (taken[i] != 0 || track.observations.size() < 2) {
         continue;
       }
       int gain = 0;
-      for (const StartObservation& o : track.observations) {
+      for (const InitialObservation& o : track.observations) {
         gain += counts[static_cast<std::size_t>(o.frame)] < kFrameQuota ? kShortFrameGain : 1;
       }
       if (gain >= kShortFrameGain && gain > best_gain) {
@@ -203,9 +204,9 @@ void add_frame_quotas(const StartProblem& problem, SelectionSet* set) {
   }
 }
 
-/// Up to limits::kSelectionTracks: all others that say something about depth, the longest first.
-void add_longest(const StartProblem& problem, SelectionSet* set) {
-  // Two images of a spot agree with either depth sign: the third is the first to tell.
+/// Up to limits::kSelectionTracks: all other tracks that constrain depth, the longest first.
+void add_longest(const InitialProblem& problem, SelectionSet* set) {
+  // Two images of a spot agree with either depth sign: the third is the first to decide.
   constexpr std::size_t kImagesMin = 3;
   const Taken taken = list_taken(problem, *set);
   std::size_t observations = 0;
@@ -225,11 +226,11 @@ void add_longest(const StartProblem& problem, SelectionSet* set) {
   }
 }
 
-void list_observations(const StartProblem& problem, SelectionSet* set) {
+void list_observations(const InitialProblem& problem, SelectionSet* set) {
   set->observations.clear();
   set->extension_observations = 0;
   for (std::size_t k = 0; k < set->tracks.size(); ++k) {
-    for (const StartObservation& o :
+    for (const InitialObservation& o :
          problem.tracks[static_cast<std::size_t>(set->tracks[k])].observations) {
       (void)set->observations.push_back({.frame = o.frame,
                                          .track = static_cast<int>(k),
@@ -242,8 +243,8 @@ void list_observations(const StartProblem& problem, SelectionSet* set) {
   }
 }
 
-/// Up to kCoreFrames of the run, evenly, its ends included.
-FrameMask choose_frames(const Run& run, StartCore* core) {
+/// Up to kCoreFrames of the run, evenly spaced, its ends included.
+FrameMask choose_frames(const Run& run, InitialCore* core) {
   const std::size_t frames = std::min(kCoreFrames, run.frames.size());
   FrameMask mask = 0;
   core->frames.clear();
@@ -257,11 +258,11 @@ FrameMask choose_frames(const Run& run, StartCore* core) {
 
 /// Tracks observed in all of the core's frames: those in the set already, then more, spread over
 /// the middle frame.
-void choose_tracks(const StartProblem& problem,
+void choose_tracks(const InitialProblem& problem,
                    FrameMask mask,
                    std::size_t tracks_max,
                    SelectionSet* set,
-                   StartCore* core) {
+                   InitialCore* core) {
   const auto sees_all = [&](std::size_t i) { return (mask_of(problem.tracks[i]) & mask) == mask; };
   Distances distance2;
   distance2.resize(problem.tracks.size());
@@ -285,9 +286,9 @@ void choose_tracks(const StartProblem& problem,
 
 }  // namespace
 
-bool choose_selection_set(const StartProblem& problem, SelectionSet* set) {
-  POLHODE_ASSERT(problem.times_s.size() <= limits::kStartFrames, problem.times_s.size());
-  POLHODE_ASSERT(problem.tracks.size() <= limits::kStartTracks, problem.tracks.size());
+bool choose_selection_set(const InitialProblem& problem, SelectionSet* set) {
+  POLHODE_ASSERT(problem.times_s.size() <= limits::kInitialFrames, problem.times_s.size());
+  POLHODE_ASSERT(problem.tracks.size() <= limits::kInitialTracks, problem.tracks.size());
   set->tracks.clear();
   set->cores.clear();
   const Run longest = best_run(problem, long_score);
@@ -299,7 +300,7 @@ bool choose_selection_set(const StartProblem& problem, SelectionSet* set) {
     if (run == &crowded && run->mask == longest.mask) {
       continue;
     }
-    StartCore core;
+    InitialCore core;
     const FrameMask mask = choose_frames(*run, &core);
     choose_tracks(problem, mask, kCoreTracks, set, &core);
     (void)set->cores.push_back(core);
@@ -310,8 +311,8 @@ bool choose_selection_set(const StartProblem& problem, SelectionSet* set) {
   return true;
 }
 
-bool is_crowded(const StartProblem& problem, const SelectionSet& set) {
-  // By either bound of add_longest.
+bool is_crowded(const InitialProblem& problem, const SelectionSet& set) {
+  // Full by either bound of add_longest().
   const bool full = set.tracks.full() ||
                     set.observations.size() + problem.times_s.size() > kSelectionObservations;
   if (!full) {

@@ -6,8 +6,8 @@
 namespace polhode {
 namespace {
 
-// As far from a feature as an aligned patch may reach: its half side and diagonal growth, the
-// search, and the pixel that interpolation takes beyond.
+// Margin about a feature that an aligned patch may reach: half its side and its growth along the
+// diagonal, the search, and one pixel for interpolation.
 constexpr int kMargin_px = 12;
 
 struct Box {
@@ -46,7 +46,7 @@ std::uint8_t mean_of(const cv::Mat& gray, int left, int top, int side) {
   return static_cast<std::uint8_t>((sum + count / 2) / count);
 }
 
-/// Middle of the first pixel of a crop, from its edge, in the picture's pixels.
+/// Middle of the first pixel of a crop, from its edge, in the image's pixels.
 double half_step(int reduction) { return 0.5 * (reduction - 1); }
 
 void take_crop(const cv::Mat& gray, std::span<const Feature> features, Crop* crop) {
@@ -81,12 +81,12 @@ void take_crop(const cv::Mat& gray, std::span<const Feature> features, Crop* cro
 
 }  // namespace
 
-Eigen::Vector2d Crop::to_crop(const Eigen::Vector2d& picture_px) const {
-  return (picture_px - Eigen::Vector2d(left_px, top_px)).array() / reduction -
+Eigen::Vector2d Crop::to_crop(const Eigen::Vector2d& image_px) const {
+  return (image_px - Eigen::Vector2d(left_px, top_px)).array() / reduction -
          half_step(reduction) / reduction;
 }
 
-Eigen::Vector2d Crop::to_picture(const Eigen::Vector2d& crop_px) const {
+Eigen::Vector2d Crop::to_image(const Eigen::Vector2d& crop_px) const {
   return (crop_px * reduction).array() + half_step(reduction) + Eigen::Array2d(left_px, top_px);
 }
 
@@ -94,19 +94,19 @@ void keep_crop(const cv::Mat& gray,
                std::uint32_t frame,
                std::span<const Feature> features,
                Crops* crops) {
-  // Numbers begin again when a component does.
+  // Frame numbers begin again when a component does.
   const int same = find_crop(frame, *crops);
   if (same >= 0) {
-    crops->held[static_cast<std::size_t>(same)].width = 0;
+    crops->kept[static_cast<std::size_t>(same)].width = 0;
   }
-  Crop& crop = crops->held[crops->taken++ % limits::kStartFrames];
+  Crop& crop = crops->kept[crops->taken++ % limits::kInitialFrames];
   crop.frame = frame;
   take_crop(gray, features, &crop);
 }
 
 int find_crop(std::uint32_t frame, const Crops& crops) {
-  for (std::size_t i = 0; i < crops.held.size(); ++i) {
-    if (crops.held[i].width > 0 && crops.held[i].frame == frame) {
+  for (std::size_t i = 0; i < crops.kept.size(); ++i) {
+    if (crops.kept[i].width > 0 && crops.kept[i].frame == frame) {
       return static_cast<int>(i);
     }
   }

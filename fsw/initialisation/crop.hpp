@@ -1,4 +1,4 @@
-// The target's part of a kept frame's picture, for aligning what tracks show.
+// The target's part of a kept frame's image, for the alignment of tracks.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,26 +12,26 @@
 
 namespace polhode {
 
-/// A rectangle of the picture that holds the features with a margin. Where it has more pixels than
-/// there is room for, each of its pixels is the mean of `reduction` x `reduction` of the picture's.
+/// A rectangle of the image that contains the features with a margin. Where it has more pixels than
+/// there is room for, each of its pixels is the mean of `reduction` x `reduction` of the image's.
 struct Crop {
   std::uint32_t frame = 0;
-  int left_px = 0;  ///< in the picture
+  int left_px = 0;  ///< in the image
   int top_px = 0;
   int width = 0;  ///< of the crop, in its own pixels; 0: there is none
   int height = 0;
   int reduction = 1;
   std::array<std::uint8_t, limits::kCropPixels> levels{};
 
-  /// A place of the picture in the crop's own pixels.
-  [[nodiscard]] Eigen::Vector2d to_crop(const Eigen::Vector2d& picture_px) const;
-  [[nodiscard]] Eigen::Vector2d to_picture(const Eigen::Vector2d& crop_px) const;
+  /// A place of the image in the crop's own pixels.
+  [[nodiscard]] Eigen::Vector2d to_crop(const Eigen::Vector2d& image_px) const;
+  [[nodiscard]] Eigen::Vector2d to_image(const Eigen::Vector2d& crop_px) const;
 };
 
 /// Crops of the newest kept frames. A new one takes the place of the oldest.
 struct Crops {
-  std::array<Crop, limits::kStartFrames> held;
-  std::uint32_t taken = 0;  ///< so many were kept
+  std::array<Crop, limits::kInitialFrames> kept;
+  std::uint32_t taken = 0;  ///< number of crops kept so far
 };
 
 /// @param gray  8-bit.
@@ -40,7 +40,7 @@ void keep_crop(const cv::Mat& gray,
                std::span<const Feature> features,
                Crops* crops);
 
-/// Index of a frame's crop; -1 where it is not there.
+/// Index of a frame's crop; -1: not there.
 int find_crop(std::uint32_t frame, const Crops& crops);
 
 }  // namespace polhode

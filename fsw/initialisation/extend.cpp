@@ -5,7 +5,7 @@
 
 #include "base/median.hpp"
 #include "geometry/so3.hpp"
-#include "solve/start_adjustment.hpp"
+#include "solve/initial_adjustment.hpp"
 #include "solve/triangulate.hpp"
 
 namespace polhode {
@@ -19,17 +19,17 @@ constexpr int kSeenPointsMin = 6;
 // second pass rejects outliers at the noise.
 constexpr double kWideSigma = 30.0;
 constexpr double kNarrowSigma = 3.0;
-// Damped steps of each pass. Chosen: enough for a good start, and a bound for a bad one.
+// Damped steps of each pass. Chosen: enough for a good initial pose, and a bound for a bad one.
 constexpr int kPoseIterations = 10;
-// Steps of the last interval over which the depth is continued at most. Chosen: a ratio of noisy
-// depths grows as a power.
+// Longest continuation of the depth, in steps of the last interval. Chosen: a ratio of noisy depths
+// grows as a power.
 constexpr double kDepthStepsMax = 2.0;
 // In RMS extents: a point farther away is not of the body. Chosen; wider than the cue's
-// kHullReachMax, as the adjustment may still bring it back.
+// kHullReachMax, as the adjustment may still move it back.
 constexpr double kReachMax = 5.0;
 
 /// (u, v) for a given attitude and inverse depth: the median over the points.
-void place(const FrameObservations& seen, const StartHypothesis& h, InverseDepthPose* pose) {
+void place(const FrameObservations& seen, const InitialHypothesis& h, InverseDepthPose* pose) {
   for (Eigen::Index axis = 0; axis < 2; ++axis) {
     FixedVector<double, limits::kSelectionTracks> values;
     for (const TrackObservation& s : seen) {
@@ -42,8 +42,8 @@ void place(const FrameObservations& seen, const StartHypothesis& h, InverseDepth
 }
 
 /// The two nearest posed frames, on either side or both on one; -1 where there is none.
-std::array<int, 2> neighbours(const StartHypothesis& h, int frame) {
-  FixedVector<int, limits::kStartFrames> posed;
+std::array<int, 2> neighbours(const InitialHypothesis& h, int frame) {
+  FixedVector<int, limits::kInitialFrames> posed;
   for (int f = 0; f < static_cast<int>(h.frames); ++f) {
     if (h.posed[static_cast<std::size_t>(f)] != 0) {
       (void)posed.push_back(f);
@@ -67,9 +67,9 @@ InverseDepthPose continued(const InverseDepthPose& near,
   return pose;
 }
 
-double refine(const FrameObservations& seen, StartHypothesis* h, InverseDepthPose* pose) {
-  StartAdjustmentOptions options{
-      .iterations_max = kPoseIterations, .loss = StartLoss::kCauchy, .width_sigma = kWideSigma};
+double refine(const FrameObservations& seen, InitialHypothesis* h, InverseDepthPose* pose) {
+  InitialAdjustmentOptions options{
+      .iterations_max = kPoseIterations, .loss = InitialLoss::kCauchy, .width_sigma = kWideSigma};
   if (adjust_single_pose(seen.view(), h->view(), options, pose) < 0.0) {
     return -1.0;
   }
@@ -82,8 +82,8 @@ double refine(const FrameObservations& seen, StartHypothesis* h, InverseDepthPos
 bool pose_frame(std::span<const TrackObservation> observations,
                 std::span<const double> times_s,
                 int frame,
-                StartHypothesis* hypothesis) {
-  StartHypothesis& h = *hypothesis;
+                InitialHypothesis* hypothesis) {
+  InitialHypothesis& h = *hypothesis;
   FrameObservations seen;
   for (const TrackObservation& s : observations) {
     if (s.frame == frame && h.known[static_cast<std::size_t>(s.track)] != 0) {
@@ -121,12 +121,12 @@ bool pose_frame(std::span<const TrackObservation> observations,
   return true;
 }
 
-void add_points(std::span<const TrackObservation> observations, StartHypothesis* hypothesis) {
-  StartHypothesis& h = *hypothesis;
+void add_points(std::span<const TrackObservation> observations, InitialHypothesis* hypothesis) {
+  InitialHypothesis& h = *hypothesis;
   for (std::size_t begin = 0; begin < observations.size();) {
     const auto track = static_cast<std::size_t>(observations[begin].track);
     std::size_t end = begin;
-    FixedVector<RayObservation, limits::kStartFrames> seen;
+    FixedVector<RayObservation, limits::kInitialFrames> seen;
     for (; end < observations.size() && observations[end].track == observations[begin].track;
          ++end) {
       const auto frame = static_cast<std::size_t>(observations[end].frame);
@@ -151,14 +151,13 @@ void add_points(std::span<const TrackObservation> observations, StartHypothesis*
 bool extend(std::span<const TrackObservation> observations,
             std::span<const double> times_s,
             int rounds,
-            StartHypothesis* hypothesis) {
-  StartHypothesis& h = *hypothesis;
+            InitialHypothesis* hypothesis) {
+  InitialHypothesis& h = *hypothesis;
   bool grown = false;
   add_points(observations, &h);
   for (int round = 0; round < rounds; ++round) {
-    const std::array<std::uint8_t, limits::kStartFrames> posed = h.posed;
-    // On either side of each posed frame the nearest unposed one that can be posed. Frames without
-    // data are skipped.
+    const std::array<std::uint8_t, limits::kInitialFrames> posed = h.posed;
+    // On either side of each posed frame the nearest unposed one with data.
     for (int direction : {1, -1}) {
       const int frames = static_cast<int>(h.frames);
       bool open = false;

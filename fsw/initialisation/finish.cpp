@@ -11,14 +11,14 @@
 namespace polhode {
 namespace {
 
-// Chosen: the winner has settled on its own tracks, the others start from triangulation.
+// Chosen: the winner has settled on its own tracks; the others begin from triangulation.
 constexpr int kIterations = 10;
 // Above every limit of a depth's sigma.
 constexpr double kUnknownSigma = 1e300;
 
 /// Copies the winner's poses and triangulates all tracks. Tracks beyond the adjustment's capacity
 /// are skipped.
-void spread_to_all_tracks(const Selection& c, StartWorkspace* w, StartHypothesis* winner) {
+void spread_to_all_tracks(const Selection& c, InitialWorkspace* w, InitialHypothesis* winner) {
   w->observations.clear();
   std::copy(winner->poses.begin(), winner->poses.end(), w->poses.begin());
   std::copy(winner->posed.begin(), winner->posed.end(), w->posed.begin());
@@ -26,12 +26,12 @@ void spread_to_all_tracks(const Selection& c, StartWorkspace* w, StartHypothesis
     w->known[i] = 0;
     const auto& observations = c.problem.tracks[i].observations;
     if (observations.size() < 2 || w->observations.size() + observations.size() >
-                                       StartAdjustmentWorkspace::kStartObservations) {
+                                       InitialAdjustmentWorkspace::kInitialObservations) {
       continue;
     }
     // One track at a time: the first slot of the hypothesis is the workspace of add_points().
-    FixedVector<TrackObservation, limits::kStartFrames> own;
-    for (const StartObservation& o : observations) {
+    FixedVector<TrackObservation, limits::kInitialFrames> own;
+    for (const InitialObservation& o : observations) {
       TrackObservation s{.frame = o.frame,
                          .track = 0,
                          .normalised = o.normalised,
@@ -54,7 +54,7 @@ void spread_to_all_tracks(const Selection& c, StartWorkspace* w, StartHypothesis
   }
 }
 
-StartGeometryView all_tracks_view(const StartProblem& problem, StartWorkspace* w) {
+InitialGeometryView all_tracks_view(const InitialProblem& problem, InitialWorkspace* w) {
   const std::size_t frames = problem.times_s.size();
   const std::size_t tracks = problem.tracks.size();
   return {std::span(w->poses).first(frames),
@@ -64,9 +64,9 @@ StartGeometryView all_tracks_view(const StartProblem& problem, StartWorkspace* w
 }
 
 /// Keeps the points that agree with at least two of their observations, and with half of them.
-void drop_wrong_tracks(const Selection& c, StartWorkspace* w, StartOutcome* out) {
+void drop_wrong_tracks(const Selection& c, InitialWorkspace* w, InitialOutcome* out) {
   const double limit2 = kTruncation_sigmas * kTruncation_sigmas * c.sigma_scale * c.sigma_scale;
-  std::array<int, limits::kStartTracks> agree{};
+  std::array<int, limits::kInitialTracks> agree{};
   for (const TrackObservation& s : w->observations) {
     Eigen::Vector2d x;
     const auto track = static_cast<std::size_t>(s.track);
@@ -87,8 +87,8 @@ void drop_wrong_tracks(const Selection& c, StartWorkspace* w, StartOutcome* out)
 
 /// @param tracks  only known ones count.
 template <typename Tracks>
-double median_depth_sigma(const Tracks& tracks, const StartWorkspace& w) {
-  FixedVector<double, limits::kStartTracks> sigma;
+double median_depth_sigma(const Tracks& tracks, const InitialWorkspace& w) {
+  FixedVector<double, limits::kInitialTracks> sigma;
   for (const int track : tracks) {
     const auto i = static_cast<std::size_t>(track);
     if (w.known[i] != 0) {
@@ -100,40 +100,40 @@ double median_depth_sigma(const Tracks& tracks, const StartWorkspace& w) {
 
 }  // namespace
 
-void adjust_all_tracks(const Selection& c, StartWorkspace* w, StartOutcome* out) {
-  StartHypothesis winner = w->refined[0];
+void adjust_all_tracks(const Selection& c, InitialWorkspace* w, InitialOutcome* out) {
+  InitialHypothesis winner = w->refined[0];
   spread_to_all_tracks(c, w, &winner);
-  const StartGeometryView view = all_tracks_view(c.problem, w);
+  const InitialGeometryView view = all_tracks_view(c.problem, w);
   out->points.resize(c.problem.tracks.size());
   out->frames.resize(c.problem.times_s.size());
   out->depth_sigma = out->selection_depth_sigma = kUnknownSigma;
   drop_wrong_tracks(c, w, out);
-  (void)adjust_start(w->observations.view(), view, selection_loss(c, kIterations), &w->adjustment);
+  (void)adjust_initial(
+      w->observations.view(), view, selection_loss(c, kIterations), &w->adjustment);
   drop_wrong_tracks(c, w, out);
   if (!normalise_gauge(view)) {
     return;
   }
   const std::span covariances = std::span(w->covariances).first(c.problem.tracks.size());
-  if (!start_point_covariances(
+  if (!initial_point_covariances(
           w->observations.view(), view, selection_loss(c, 0), covariances, &w->adjustment)) {
     return;
   }
-  FixedVector<int, limits::kStartTracks> all;
+  FixedVector<int, limits::kInitialTracks> all;
   all.resize(c.problem.tracks.size());
   std::iota(all.begin(), all.end(), 0);
   out->depth_sigma = median_depth_sigma(all, *w);
   // The cores' tracks are the longest, and decide on the geometry. On a body that rotates fast most
-  // other tracks last three or four frames and know little of their own depth
-  // (decision 0031).
+  // other tracks last three or four frames and have uncertain depths (decision 0031).
   FixedVector<int, 2 * kCoreTracks> in_cores;
-  for (const StartCore& core : w->set.cores) {
+  for (const InitialCore& core : w->set.cores) {
     for (const int track : core.tracks) {
       (void)in_cores.push_back(w->set.tracks[static_cast<std::size_t>(track)]);
     }
   }
   out->selection_depth_sigma = median_depth_sigma(in_cores, *w);
   for (std::size_t i = 0; i < out->points.size(); ++i) {
-    StartPoint& point = out->points[i];
+    InitialPoint& point = out->points[i];
     point.p_T = w->points_T[i];
     point.covariance_T = w->covariances[i];
     point.valid = w->known[i] != 0 && point.covariance_T.allFinite() &&

@@ -11,8 +11,8 @@
 #include "solve/affine_factorisation.hpp"
 #include "solve/constant_rate_grid.hpp"
 #include "solve/homography.hpp"
+#include "solve/initial_adjustment.hpp"
 #include "solve/relative_pose.hpp"
-#include "solve/start_adjustment.hpp"
 
 namespace polhode {
 namespace {
@@ -20,12 +20,13 @@ namespace {
 // Weights of equal principal extents in the upgrade from affine to metric. With much rotation the
 // data decide alone; with little, noise fills the third axis. Chosen: none, weak and strong.
 constexpr std::array<double, 3> kIsotropies{0.0, 0.03, 0.3};
-// As many points as a hypothesis from two views must place, and as two geometries must share.
-// Chosen; fewer make a comparison by the median a matter of chance.
+// Least points that a hypothesis from two views must place, and that two geometries must share.
+// Chosen; with fewer a comparison by the median is a matter of chance.
 constexpr std::size_t kHypothesisPointsMin = 8;
-// Depths within a factor of two of their median: a body that is seen whole reaches no farther.
+// Depths within a factor of two of their median: a body that is entirely in view reaches no
+// farther.
 constexpr double kDepthFactorMax = 2.0;
-// Rotations under a degree are compared by this: their ratio is noise.
+// Smaller rotations are compared relative to this: their own ratio is noise.
 constexpr double kRotationMin_rad = 0.02;
 
 /// The core's images, frame by frame, rotated so that the mean of the tracks lies on the optical
@@ -37,12 +38,12 @@ struct CoreImages {
   double sigma_normalised = 0.0;  ///< mean
 };
 
-std::size_t track_of(const StartCore& core, std::size_t column) {
+std::size_t track_of(const InitialCore& core, std::size_t column) {
   return static_cast<std::size_t>(core.tracks[column]);
 }
 
 CoreImages collect(const SeedProblem& problem) {
-  const StartCore& core = *problem.core;
+  const InitialCore& core = *problem.core;
   CoreImages images;
   double sigma = 0.0;
   int count = 0;
@@ -79,23 +80,23 @@ CoreImages collect(const SeedProblem& problem) {
   return images;
 }
 
-StartHypothesis empty_hypothesis(const SeedProblem& problem, HypothesisKind kind) {
-  StartHypothesis h;
+InitialHypothesis empty_hypothesis(const SeedProblem& problem, HypothesisKind kind) {
+  InitialHypothesis h;
   h.kind = kind;
   h.frames = problem.times_s.size();
   h.tracks = problem.selection_tracks;
   return h;
 }
 
-/// From weak perspective, which leaves depth and its sign open. Inverse depth is the image scale
-/// per extent.
+/// Seeds by weak perspective, which leaves depth and its sign undetermined. Inverse depth is the
+/// image scale per extent.
 /// @param h  an empty hypothesis. @return false where the motion gives none.
 bool pose_by_weak_perspective(const SeedProblem& problem,
                               const CoreImages& images,
                               std::span<const std::uint8_t> inlier,
                               const WeakPerspectiveMotion& motion,
-                              StartHypothesis* h) {
-  const StartCore& core = *problem.core;
+                              InitialHypothesis* h) {
+  const InitialCore& core = *problem.core;
   const Eigen::Matrix3Xd points = weak_perspective_points(images.turned, inlier, motion);
   double extent2 = 0.0;
   double count = 0.0;
@@ -133,8 +134,8 @@ bool pose_by_weak_perspective(const SeedProblem& problem,
 
 void seed_weak_perspective(const SeedProblem& problem,
                            const CoreImages& images,
-                           StartHypotheses* seeds) {
-  const StartCore& core = *problem.core;
+                           InitialHypotheses* seeds) {
+  const InitialCore& core = *problem.core;
   const AffineSubspace subspace =
       find_affine_subspace(images.turned, images.sigma_normalised, problem.seed);
   if (!subspace.valid) {
@@ -143,7 +144,7 @@ void seed_weak_perspective(const SeedProblem& problem,
   if ((problem.kinds & kind_bit(HypothesisKind::kFactorisation)) != 0) {
     for (const double isotropy : kIsotropies) {
       WeakPerspectiveMotion motion;
-      StartHypothesis h = empty_hypothesis(problem, HypothesisKind::kFactorisation);
+      InitialHypothesis h = empty_hypothesis(problem, HypothesisKind::kFactorisation);
       if (upgrade_to_metric(subspace, isotropy, &motion) &&
           pose_by_weak_perspective(problem, images, subspace.inlier.view(), motion, &h)) {
         (void)seeds->push_back(h);
@@ -163,7 +164,7 @@ void seed_weak_perspective(const SeedProblem& problem,
       }
     }
     for (const ConstantRateMotion& rate : search_constant_rate(chosen, times.view())) {
-      StartHypothesis h = empty_hypothesis(problem, HypothesisKind::kConstantRate);
+      InitialHypothesis h = empty_hypothesis(problem, HypothesisKind::kConstantRate);
       const WeakPerspectiveMotion motion = to_motion(rate, times.view());
       if (pose_by_weak_perspective(problem, images, subspace.inlier.view(), motion, &h)) {
         (void)seeds->push_back(h);
@@ -178,14 +179,14 @@ struct TwoViews {
   std::array<double, kCoreTracks> depth_a;  ///< of each core track in a; not positive: unknown
 };
 
-/// From two views: T's origin is in the middle of the points. The core's other frames follow by
-/// resection.
+/// Seeds from two views, with T's origin in the middle of the points. The core's other frames
+/// follow by resection.
 /// @param h  an empty hypothesis. @return false where the views give none.
 bool pose_by_two_views(const SeedProblem& problem,
                        const CoreImages& images,
                        const TwoViews& views,
-                       StartHypothesis* h) {
-  const StartCore& core = *problem.core;
+                       InitialHypothesis* h) {
+  const InitialCore& core = *problem.core;
   const auto& [pair, motion, depth_a] = views;
   FixedVector<double, kCoreTracks> positive;
   for (std::size_t i = 0; i < core.tracks.size(); ++i) {
@@ -228,8 +229,8 @@ bool pose_by_two_views(const SeedProblem& problem,
 void seed_two_view(const SeedProblem& problem,
                    const CoreImages& images,
                    std::array<std::size_t, 2> pair,
-                   StartHypotheses* seeds) {
-  const StartCore& core = *problem.core;
+                   InitialHypotheses* seeds) {
+  const InitialCore& core = *problem.core;
   const std::span x_a = std::span(images.x[pair[0]]).first(core.tracks.size());
   const std::span x_b = std::span(images.x[pair[1]]).first(core.tracks.size());
   const TwoViewOptions options{.sigma_normalised = images.sigma_normalised,
@@ -240,7 +241,7 @@ void seed_two_view(const SeedProblem& problem,
       for (std::size_t i = 0; i < core.tracks.size(); ++i) {
         views.depth_a[i] = depth_in_a(candidate.motion, x_a[i], x_b[i]);
       }
-      StartHypothesis h = empty_hypothesis(problem, HypothesisKind::kFivePoint);
+      InitialHypothesis h = empty_hypothesis(problem, HypothesisKind::kFivePoint);
       if (pose_by_two_views(problem, images, views, &h)) {
         (void)seeds->push_back(h);
       }
@@ -252,7 +253,7 @@ void seed_two_view(const SeedProblem& problem,
       for (std::size_t i = 0; i < core.tracks.size(); ++i) {
         views.depth_a[i] = 1.0 / panel.normal_a.dot(x_a[i].homogeneous());
       }
-      StartHypothesis h = empty_hypothesis(problem, HypothesisKind::kHomography);
+      InitialHypothesis h = empty_hypothesis(problem, HypothesisKind::kHomography);
       if (pose_by_two_views(problem, images, views, &h)) {
         (void)seeds->push_back(h);
       }
@@ -262,19 +263,19 @@ void seed_two_view(const SeedProblem& problem,
 
 }  // namespace
 
-void seed_hypotheses(const SeedProblem& problem, StartHypotheses* seeds) {
+void seed_hypotheses(const SeedProblem& problem, InitialHypotheses* seeds) {
   POLHODE_ASSERT(problem.core->frames.size() >= 3, problem.core->frames.size());
   seeds->clear();
   const CoreImages images = collect(problem);
   seed_weak_perspective(problem, images, seeds);
   const std::size_t last = problem.core->frames.size() - 1;
-  // The widest pair has the most parallax. Half of it may do where the widest leaves the pose
-  // ambiguous.
+  // The widest pair has the most parallax. A pair of half its width may decide where the widest
+  // leaves the pose ambiguous.
   seed_two_view(problem, images, {0, last}, seeds);
   seed_two_view(problem, images, {0, (last + 1) / 2}, seeds);
 }
 
-bool same_geometry(const StartHypothesis& a, const StartHypothesis& b, double tolerance) {
+bool same_geometry(const InitialHypothesis& a, const InitialHypothesis& b, double tolerance) {
   FixedVector<double, limits::kSelectionTracks> apart;
   for (std::size_t i = 0; i < a.tracks; ++i) {
     if (a.known[i] != 0 && b.known[i] != 0) {
@@ -285,7 +286,7 @@ bool same_geometry(const StartHypothesis& a, const StartHypothesis& b, double to
   if (apart.size() < kHypothesisPointsMin) {
     return false;
   }
-  // Not the mean: the point of a wrong track may be anywhere (decision 0029).
+  // The median: the point of a wrong track may lie anywhere (decision 0029).
   if (median(apart.view()) > tolerance) {
     return false;
   }

@@ -7,7 +7,7 @@
 
 #include "base/fixed_vector.hpp"
 #include "config/limits.hpp"
-#include "solve/start_problem.hpp"
+#include "solve/initial_problem.hpp"
 
 namespace polhode {
 
@@ -18,30 +18,31 @@ inline constexpr std::size_t kHypothesisKinds = 4;  // of the enumeration above
 constexpr std::uint32_t kind_bit(HypothesisKind kind) { return 1U << static_cast<unsigned>(kind); }
 inline constexpr std::uint32_t kAllKinds = (1U << kHypothesisKinds) - 1U;  // one bit a kind
 
-/// Tracks and frames of a core, in which every frame observes every track. Chosen: 80 fix a
-/// geometry well enough to tell families apart; 10 frames bound the time of the seeds.
+/// Tracks and frames of a core, in which every frame observes every track. Chosen: 80 tracks
+/// separate families of hypotheses; 10 frames bound the time of the seeds.
 inline constexpr std::size_t kCoreTracks = 80;
 inline constexpr std::size_t kCoreFrames = 10;
-/// The first tracks, on which a hypothesis is extended from its core to all frames: both cores' and
-/// the quotas of frames. It is adjusted after every few frames, and need not decide yet.
+/// The first tracks of the selection: both cores' and the quotas of frames. On them a hypothesis is
+/// extended from its core to all frames; it is adjusted after every few frames, and need not decide
+/// yet.
 inline constexpr std::size_t kExtensionTracks = 2 * kCoreTracks;
-/// Images of the tracks that hypotheses are compared on (at most limits::kSelectionTracks); the
-/// first tracks take part in any case. Chosen for the time of an adjustment: 500 tracks in six
-/// frames of eight.
+/// Observations on which hypotheses are compared (of at most limits::kSelectionTracks); those of
+/// the first tracks always count. Chosen for the time of an adjustment: 500 tracks in six frames of
+/// eight.
 inline constexpr std::size_t kSelectionObservations = 3000;
 
-struct StartHypothesis {
+struct InitialHypothesis {
   HypothesisKind kind = HypothesisKind::kFivePoint;
-  bool reversed = false;  ///< depth-reversed solution of what that kind found
+  bool reversed = false;  ///< depth-reversed solution of a hypothesis of that kind
   std::size_t frames = 0;
   std::size_t tracks = 0;
-  std::array<InverseDepthPose, limits::kStartFrames> poses{};
-  std::array<std::uint8_t, limits::kStartFrames> posed{};
+  std::array<InverseDepthPose, limits::kInitialFrames> poses{};
+  std::array<std::uint8_t, limits::kInitialFrames> posed{};
   std::array<Eigen::Vector3d, limits::kSelectionTracks> points_T{};
   std::array<std::uint8_t, limits::kSelectionTracks> known{};
-  StartFit fit;
+  InitialFit fit;
 
-  [[nodiscard]] StartGeometryView view() {
+  [[nodiscard]] InitialGeometryView view() {
     return {std::span(poses).first(frames),
             std::span(posed).first(frames),
             std::span(points_T).first(tracks),
@@ -52,13 +53,12 @@ struct StartHypothesis {
 /// Seeds of one core, rounded up from 21: 3 of factorisation, 4 of constant rate, and from each of
 /// two pairs 3 of five points and 4 of homographies.
 inline constexpr std::size_t kSeeds = 24;
-using StartHypotheses = FixedVector<StartHypothesis, kSeeds>;
+using InitialHypotheses = FixedVector<InitialHypothesis, kSeeds>;
 /// Hypotheses that are extended to all frames, shared by the cores. Chosen; more cost time.
 inline constexpr std::size_t kFinalists = 6;
 
-/// What a seed is made from: frames of the sequence, and tracks of the selection that all of them
-/// observe.
-struct StartCore {
+/// Input of a seed: frames of the sequence, and tracks of the selection that all of them observe.
+struct InitialCore {
   FixedVector<int, kCoreFrames> frames;
   FixedVector<int, kCoreTracks> tracks;
 };

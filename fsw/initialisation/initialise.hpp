@@ -10,8 +10,8 @@ namespace polhode {
 /// observations, decides. Fills poses and points of the winner, committed or not.
 /// @cost bounded by counts: kSeeds short and eight long adjustments of limits::kSelectionTracks,
 /// one of all tracks. Deterministic in (problem, options).
-StartOutcome select_hypothesis(const StartProblem& problem,
-                               const StartOptions& options,
-                               StartWorkspace* workspace);
+InitialOutcome select_hypothesis(const InitialProblem& problem,
+                                 const InitialOptions& options,
+                                 InitialWorkspace* workspace);
 
 }  // namespace polhode

@@ -9,16 +9,17 @@
 namespace polhode {
 namespace {
 
-// An affine motion has three unknowns a coordinate; four times as many even out their noise.
+// An affine motion has three unknowns a coordinate; four times as many neighbours average their
+// noise.
 constexpr std::size_t kFitted = 12;
 constexpr std::size_t kFittedMin = 6;
-// Rounds of fitting and leaving out.
+// Rounds of fitting and rejection.
 constexpr int kRounds = 3;
 // Neighbours farther off than three medians, and than a detection's error, belong to another
 // motion.
 constexpr double kOutlierMedians = 3.0;
 constexpr double kOutlierMin_px = 1.0;
-// A surface that grows or shrinks by more between two kept frames is another one.
+// Change of scale between two kept frames beyond which the neighbours are of another surface.
 constexpr double kAreaMin = 0.3;
 constexpr double kAreaMax = 3.0;
 
@@ -29,7 +30,7 @@ struct Correspondence {
 };
 using Correspondences = FixedVector<Correspondence, kFitted>;
 
-/// The same shift for all: half of the neighbours may be wrong.
+/// The common shift of the neighbours, by medians: half of them may be wrong.
 LocalMotion median_shift(const Correspondences& list) {
   FixedVector<double, kFitted> across;
   FixedVector<double, kFitted> down;
@@ -41,7 +42,8 @@ LocalMotion median_shift(const Correspondences& list) {
 }
 
 std::optional<LocalMotion> fit(const Correspondences& list) {
-  // One pixel squared towards no change: neighbours in a line say nothing of what lies across it.
+  // A weak prior towards no change, of one pixel squared: neighbours on a line do not constrain the
+  // direction across it.
   Eigen::Matrix3d H = Eigen::Vector3d(1.0, 1.0, 0.0).asDiagonal();
   Eigen::Matrix<double, 3, 2> g = Eigen::Matrix<double, 3, 2>::Identity();
   std::size_t count = 0;

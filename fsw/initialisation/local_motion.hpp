@@ -1,4 +1,4 @@
-// How the picture moves from one kept frame to another about a track, by the tracks beside it.
+// Local image motion between two kept frames about a track, by its neighbouring tracks.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,15 +12,15 @@
 
 namespace polhode {
 
-/// Where a track was detected, by frame.
+/// Places where a track was detected, by frame.
 struct TrackPlaces {
   std::uint32_t frames = 0;  ///< bit f: in frame f
-  std::array<Eigen::Vector2f, limits::kStartFrames> px{};
+  std::array<Eigen::Vector2f, limits::kInitialFrames> px{};
 
   [[nodiscard]] bool has(std::size_t frame) const { return ((frames >> frame) & 1U) != 0; }
 };
 
-// Three times what a motion is fitted to: many end before the other frame.
+// Three times the neighbours that a fit needs: many end before the other frame.
 using Neighbours = FixedVector<std::size_t, 36>;
 
 /// Other tracks of a frame, nearest first.
@@ -33,7 +33,7 @@ struct LocalMotion {
   Eigen::Vector2d place_px = Eigen::Vector2d::Zero();  ///< where the track's place moves to
 };
 
-/// Affine motion of a track's neighbours, those that contradict the others left out.
+/// Affine motion of a track's neighbours, by a robust fit.
 /// @return nothing where too few of them are in both frames.
 std::optional<LocalMotion> local_motion(std::span<const TrackPlaces> tracks,
                                         const Neighbours& neighbours,

@@ -5,7 +5,7 @@
 // clang-format off
 namespace polhode {
 
-struct StartOptions {
+struct InitialOptions {
   // decision 0028: with 4 frames 8 of 64 maps are wrong, with 5 frames 2.
   int frames_min = 5;                 ///< frames collected before the first hypothesis selection
   // 5 sigma, squared.

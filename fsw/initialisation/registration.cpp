@@ -12,17 +12,18 @@ using Parameters = PatchTemplate::Parameters;
 using Normal = Eigen::Matrix<double, PatchTemplate::kParameters, PatchTemplate::kParameters>;
 constexpr int kGainAt = 6;  // of the parameters
 
-// By distance from the middle: a Gaussian with sigma 3 px, so that a place belongs to its middle.
+// Weight by distance from the middle: a Gaussian with sigma 3 px, so that the place is that of the
+// middle.
 constexpr std::array<double, PatchTemplate::kHalf + 1> kWindow = {
     1.0, 0.945959, 0.800737, 0.606531, 0.411112, 0.249352};
 // Blur by a Gaussian with sigma 0.7 px: interpolation changes finer detail with the place.
 constexpr float kBlurMiddle = 0.58F;
 constexpr float kBlurSide = 0.21F;
-// Most settle within four steps; one that does not has found no minimum.
+// Most settle within four steps; a fit that does not has no minimum.
 constexpr int kIterationsMax = 12;
 // An eighth of the least noise.
 constexpr double kSettled_px = 0.01;
-// Smaller against larger eigenvalue of the structure tensor: along an edge a place is not known.
+// Smaller over larger eigenvalue of the structure tensor: along an edge a place is undetermined.
 constexpr double kCornerMin = 0.05;
 // A patch that is five times darker or smaller is another one.
 constexpr double kShrunkMin = 0.2;
@@ -71,7 +72,7 @@ bool sample_blurred(const Crop& crop,
                     const Eigen::Matrix2d& affine,
                     const Eigen::Vector2d& place,
                     std::array<float, kGrid * kGrid>* out) {
-  constexpr std::size_t kRaw = kGrid + 2;  // the blur takes one more on each side
+  constexpr std::size_t kRaw = kGrid + 2;  // the blur needs one more on each side
   // From the middle.
   constexpr int kReach = static_cast<int>(kRaw) / 2;
   const Eigen::Matrix2f A = affine.cast<float>();
@@ -110,7 +111,7 @@ bool has_corner(const Eigen::Matrix2d& tensor) {
 
 using Levels = std::array<float, PatchTemplate::kPixels>;
 
-/// The motion of the patch that explains its levels, and the light.
+/// Least-squares step of affine motion, gain and offset.
 Parameters fit_levels(const PatchTemplate& patch, const Levels& levels) {
   Parameters gradient = Parameters::Zero();
   for_each_pixel([&](std::size_t i, double weight, int, int) {
@@ -124,7 +125,7 @@ struct Motion {
   Eigen::Vector2d place;
 };
 
-/// The picture looks like the template moved by the fit: its place moves back by as much.
+/// Composes the inverse of the template's step with the motion.
 /// @return the step's length; nothing where the fit makes no sense.
 std::optional<double> compose(const Parameters& fit, Motion* motion) {
   const double gain = fit(kGainAt);
@@ -143,10 +144,10 @@ std::optional<double> compose(const Parameters& fit, Motion* motion) {
   return step.norm();
 }
 
-Registration judge(const PatchTemplate& patch,
-                   const Levels& levels,
-                   const Parameters& fit,
-                   const Eigen::Vector2d& place) {
+Registration accepted_registration(const PatchTemplate& patch,
+                                   const Levels& levels,
+                                   const Parameters& fit,
+                                   const Eigen::Vector2d& place) {
   double weights = 0.0;
   double mean = 0.0;
   double rest2 = 0.0;
@@ -158,13 +159,13 @@ Registration judge(const PatchTemplate& patch,
     rest2 += weight * rest * rest;
   });
   mean /= weights;
-  double of_picture = 0.0;
+  double of_image = 0.0;
   double of_template = 0.0;
   double of_both = 0.0;
   for_each_pixel([&](std::size_t i, double weight, int, int) {
     const double now = static_cast<double>(levels[i]) - mean;
     const double then = patch.derivatives[i](kGainAt);
-    of_picture += weight * now * now;
+    of_image += weight * now * now;
     of_template += weight * then * then;
     of_both += weight * now * then;
   });
@@ -172,19 +173,19 @@ Registration judge(const PatchTemplate& patch,
   const double variance = rest2 / (weights - PatchTemplate::kParameters) / (gain * gain);
   return {.place = place,
           .sigma = std::sqrt(variance * std::max(patch.inverse(0, 0), patch.inverse(1, 1))),
-          .zncc = of_both / std::sqrt(std::max(of_picture * of_template, 1e-12))};
+          .zncc = of_both / std::sqrt(std::max(of_image * of_template, 1e-12))};
 }
 
 }  // namespace
 
 bool make_template(const Crop& crop, const Eigen::Vector2d& place, PatchTemplate* patch) {
-  constexpr std::size_t kWide = PatchTemplate::kSide + 2;  // derivatives take one more on each side
+  constexpr std::size_t kWide = PatchTemplate::kSide + 2;  // derivatives need one more on each side
   std::array<float, kWide * kWide> wide;
   if (!sample_blurred<kWide>(crop, Eigen::Matrix2d::Identity(), place, &wide)) {
     return false;
   }
   const auto in_wide = [&](int x, int y) {
-    // Its own pixel, beyond the border that derivatives take.
+    // The pixel's index in the grid with its border.
     constexpr int kMiddle = PatchTemplate::kHalf + 1;
     return static_cast<double>(wide[static_cast<std::size_t>(y + kMiddle) * kWide +
                                     static_cast<std::size_t>(x + kMiddle)]);
@@ -227,7 +228,7 @@ std::optional<Registration> register_patch(const PatchTemplate& patch,
       return std::nullopt;
     }
     if (*step_px < kSettled_px) {
-      return judge(patch, levels, fit, motion.place);
+      return accepted_registration(patch, levels, fit, motion.place);
     }
   }
   return std::nullopt;

@@ -11,8 +11,8 @@ namespace polhode {
 
 /// A window of a crop, ready to be registered in others.
 struct PatchTemplate {
-  static constexpr int kHalf = 5;  ///< pixels: 11 x 11 carry what fixes a place (decision 0107)
-  // Pixels, the middle one included.
+  static constexpr int kHalf = 5;  ///< pixels: 11 x 11 determine a place (decision 0107)
+  // Width in pixels, the middle one included.
   static constexpr int kSide = 2 * kHalf + 1;
   static constexpr std::size_t kPixels = std::size_t{kSide} * kSide;
   static constexpr int kParameters = 8;  ///< affine motion (6), gain, offset
@@ -30,10 +30,10 @@ struct Registration {
   Eigen::Vector2d place = Eigen::Vector2d::Zero();  ///< of the window's middle, crop pixels
   double sigma = 0.0;  ///< 1-sigma of the place in its worse direction by the image noise, crop
                        ///< pixels
-  double zncc = 0.0;   ///< correlation of the template and what is there
+  double zncc = 0.0;   ///< correlation of the template with the crop there
 };
 
-/// Inverse-compositional Gauss-Newton. The normal matrix does not change on the way.
+/// Inverse-compositional Gauss-Newton: the normal matrix is constant.
 /// @param affine  first guess, template to crop.
 /// @param place   first guess, in the crop's pixels.
 /// @return nothing where it leaves the crop or does not settle.

@@ -10,26 +10,26 @@
 namespace polhode {
 namespace {
 
-// Relative differences of one geometry, and of two. Both lie under the quarter that counts as right
-// in tests/synthetic/start_problem.hpp. Chosen; larger merges a rival with the winner, smaller
-// makes a rival of the winner's own solution.
+// Relative differences up to which two geometries are one, and from which they are different. Both
+// lie under the quarter that counts as right in tests/synthetic/initial_problem.hpp. Chosen; larger
+// merges a rival with the winner, smaller makes a rival of the winner's own solution.
 constexpr double kSameGeometry = 0.15;
 constexpr double kDifferentGeometry = 0.20;
 // Seeds that are fully refined, each with its depth-reversed solution. Chosen; more cost time.
 constexpr std::size_t kFamilies = 6;
-// Frames posed on either side between two adjustments. Chosen; more let errors add up.
+// Frames posed on either side between two adjustments. Chosen; with more, errors add up.
 constexpr int kExtendRounds = 3;
 // Times that the winner may be replaced by its depth-reversed solution. Chosen; normally one
 // decides.
 constexpr int kReversalRounds = 3;
 // Depth and rotation compensate for each other along a valley in which steps are short. A
-// hypothesis of the winner's own valley must settle, else it counts as a rival
-// (decision 0029). Most settle in a tenth of this.
+// hypothesis in the winner's valley must converge, else it counts as a rival (decision 0029). Most
+// settle in a tenth of this.
 constexpr int kSettleIterations = 60;
-// A track's share of a cost margin. More comes from a wrong track that one hypothesis happens to
-// explain. Chosen.
+// Bound on a track's share of a cost margin: a wrong track that one hypothesis happens to explain
+// would decide alone. Chosen.
 constexpr double kTrackMarginMax = 4.0;
-// A cost margin of 25 scatters by 10. Less agreement of the tracks than 1.5 sigma is no evidence.
+// A cost margin of 25 scatters by 10. Agreement of the tracks under 1.5 sigma is no evidence.
 constexpr double kAgreementMin = 1.5;
 // Width of the Cauchy loss at the noise, and its limit while residuals are large, in sigmas.
 // Chosen; a larger limit lets the worst observations of a seed that is far off rule the fit.
@@ -42,17 +42,17 @@ struct Iterations {
   int narrow;
   int last;
 };
-// Chosen for the time: seeds need only find their family, seeds of a family their minimum.
-// Extension follows short steps; the comparison waits for the end.
+// Chosen for the time: seeds need only find their family, families their minimum. Extension follows
+// short steps; the comparison needs convergence.
 constexpr Iterations kSeedIterations{.wide = 6, .narrow = 4, .last = 0};
 constexpr Iterations kFamilyIterations{.wide = 8, .narrow = 10, .last = 15};
 constexpr Iterations kExtendIterations{.wide = 3, .narrow = 3, .last = 0};
 constexpr Iterations kExtendedIterations{.wide = 5, .narrow = 10, .last = kSettleIterations};
 constexpr Iterations kReversedIterations{.wide = 8, .narrow = 12, .last = kSettleIterations};
 
-void sort_by_cost(StartHypotheses* list) {
+void sort_by_cost(InitialHypotheses* list) {
   std::stable_sort(
-      list->begin(), list->end(), [](const StartHypothesis& a, const StartHypothesis& b) {
+      list->begin(), list->end(), [](const InitialHypothesis& a, const InitialHypothesis& b) {
         return a.fit.cost < b.fit.cost;
       });
 }
@@ -62,28 +62,28 @@ void sort_by_cost(StartHypotheses* list) {
 bool refine(const Selection& c,
             std::span<const TrackObservation> observations,
             const Iterations& iterations,
-            StartAdjustmentWorkspace* adjustment,
-            StartHypothesis* h) {
-  const StartGeometryView view = h->view();
-  StartAdjustmentOptions options{.loss = StartLoss::kCauchy,
-                                 .width_sigma = kNarrow_sigmas,
-                                 .sigma_scale = c.sigma_scale,
-                                 .rotations_held = c.rotations_held};
-  const StartFit before = evaluate_start(observations, view, options, adjustment);
+            InitialAdjustmentWorkspace* adjustment,
+            InitialHypothesis* h) {
+  const InitialGeometryView view = h->view();
+  InitialAdjustmentOptions options{.loss = InitialLoss::kCauchy,
+                                   .width_sigma = kNarrow_sigmas,
+                                   .sigma_scale = c.sigma_scale,
+                                   .rotations_fixed = c.rotations_fixed};
+  const InitialFit before = evaluate_initial(observations, view, options, adjustment);
   options.iterations_max = iterations.wide;
   options.width_sigma =
       std::clamp(kNarrow_sigmas * std::sqrt(before.median), kNarrow_sigmas, kWideMax_sigmas);
-  (void)adjust_start(observations, view, options, adjustment);
+  (void)adjust_initial(observations, view, options, adjustment);
   options.iterations_max = iterations.narrow;
   options.width_sigma = kNarrow_sigmas;
-  (void)adjust_start(observations, view, options, adjustment);
-  h->fit = adjust_start(observations, view, selection_loss(c, iterations.last), adjustment);
+  (void)adjust_initial(observations, view, options, adjustment);
+  h->fit = adjust_initial(observations, view, selection_loss(c, iterations.last), adjustment);
   return normalise_gauge(view) && std::isfinite(h->fit.cost);
 }
 
 /// Inserts a hypothesis. Of two with the same geometry only the one of lower cost stays.
-void insert_distinct(const StartHypothesis& h, StartHypotheses* list) {
-  for (StartHypothesis& known : *list) {
+void insert_distinct(const InitialHypothesis& h, InitialHypotheses* list) {
+  for (InitialHypothesis& known : *list) {
     if (same_geometry(known, h, kSameGeometry)) {
       if (h.fit.cost < known.fit.cost) {
         known = h;
@@ -94,27 +94,27 @@ void insert_distinct(const StartHypothesis& h, StartHypotheses* list) {
   (void)list->push_back(h);
 }
 
-StartHypothesis depth_reversed(const StartHypothesis& h) {
-  StartHypothesis reversed = h;
+InitialHypothesis depth_reversed(const InitialHypothesis& h) {
+  InitialHypothesis reversed = h;
   reversed.reversed = !h.reversed;
   apply_depth_reversal(reversed.view());
   (void)normalise_gauge(reversed.view());
   return reversed;
 }
 
-/// Seeds, first without their depth-reversed solutions. Those that lead to the same minimum, or to
-/// its depth-reversed one, are one family.
-void refine_families(const Selection& c, StartWorkspace* w) {
+/// Refines seeds, first without their depth-reversed solutions. Seeds with the same minimum, or
+/// with depth-reversed minima, are one family.
+void refine_families(const Selection& c, InitialWorkspace* w) {
   const std::span<const TrackObservation> core = w->core_observations.view();
-  StartHypotheses& families = w->refined;
+  InitialHypotheses& families = w->refined;
   families.clear();
-  for (StartHypothesis& seed : w->seeds) {
+  for (InitialHypothesis& seed : w->seeds) {
     if (!normalise_gauge(seed.view()) || !refine(c, core, kSeedIterations, &w->adjustment, &seed)) {
       continue;
     }
-    const StartHypothesis reversed = depth_reversed(seed);
+    const InitialHypothesis reversed = depth_reversed(seed);
     const bool is_reversed =
-        std::any_of(families.begin(), families.end(), [&](const StartHypothesis& f) {
+        std::any_of(families.begin(), families.end(), [&](const InitialHypothesis& f) {
           return same_geometry(f, reversed, kSameGeometry) && f.fit.cost <= seed.fit.cost;
         });
     if (!is_reversed) {
@@ -125,7 +125,7 @@ void refine_families(const Selection& c, StartWorkspace* w) {
 }
 
 /// Both solutions of the best families, refined on the core to convergence, the best first.
-void refine_both_depths(const Selection& c, StartWorkspace* w) {
+void refine_both_depths(const Selection& c, InitialWorkspace* w) {
   const std::span<const TrackObservation> core = w->core_observations.view();
   w->seeds.clear();
   for (std::size_t i = 0; i < std::min(kFamilies, w->refined.size()); ++i) {
@@ -133,7 +133,7 @@ void refine_both_depths(const Selection& c, StartWorkspace* w) {
     (void)w->seeds.push_back(depth_reversed(w->refined[i]));
   }
   w->refined.clear();
-  for (StartHypothesis& h : w->seeds) {
+  for (InitialHypothesis& h : w->seeds) {
     if (refine(c, core, kFamilyIterations, &w->adjustment, &h)) {
       insert_distinct(h, &w->refined);
     }
@@ -141,14 +141,14 @@ void refine_both_depths(const Selection& c, StartWorkspace* w) {
   sort_by_cost(&w->refined);
 }
 
-/// Noise by the best hypothesis over the caller's sigma, at least 1.
-double noise_scale(const StartHypotheses& refined, double sigma_scale) {
+/// Residual noise of the best hypothesis over the caller's sigma, at least 1.
+double noise_scale(const InitialHypotheses& refined, double sigma_scale) {
   const double scale = refined.empty() ? kNoiseScaleMax : sigma_scale * refined[0].fit.noise_scale;
   return std::clamp(scale, 1.0, kNoiseScaleMax);
 }
 
 /// Adds the best hypotheses of one core to the finalists.
-void select_on_core(const StartCore& core, Selection* c, StartWorkspace* w) {
+void select_on_core(const InitialCore& core, Selection* c, InitialWorkspace* w) {
   const SelectionSet& set = w->set;
   w->core_observations.clear();
   for (const TrackObservation& s : set.observations) {
@@ -176,8 +176,8 @@ void select_on_core(const StartCore& core, Selection* c, StartWorkspace* w) {
   }
 }
 
-/// Extends a hypothesis to all frames. Adjusts on the way, so that errors do not add up.
-bool extend_to_all(const Selection& c, StartWorkspace* w, StartHypothesis* h) {
+/// Extends a hypothesis to all frames, with adjustments on the way, so that errors do not add up.
+bool extend_to_all(const Selection& c, InitialWorkspace* w, InitialHypothesis* h) {
   const std::span<const TrackObservation> all = w->set.observations.view();
   const std::span<const TrackObservation> first = all.first(w->set.extension_observations);
   for (std::size_t step = 0; step < h->frames; ++step) {
@@ -193,9 +193,9 @@ bool extend_to_all(const Selection& c, StartWorkspace* w, StartHypothesis* h) {
 }
 
 /// Finalists, extended to all frames and compared on all observations of the selection.
-void refine_finalists(const Selection& c, StartWorkspace* w) {
+void refine_finalists(const Selection& c, InitialWorkspace* w) {
   w->refined.clear();
-  for (StartHypothesis& h : w->finalists) {
+  for (InitialHypothesis& h : w->finalists) {
     if (extend_to_all(c, w, &h)) {
       insert_distinct(h, &w->refined);
     }
@@ -203,11 +203,11 @@ void refine_finalists(const Selection& c, StartWorkspace* w) {
   sort_by_cost(&w->refined);
 }
 
-/// Compares the winner with its depth-reversed solution, started from the winner's final geometry.
-/// So no rival loses because it stuck in another minimum.
-void compare_with_reversed(const Selection& c, StartWorkspace* w) {
+/// Compares the winner with its depth-reversed solution, refined from the winner's final geometry:
+/// else a rival might lose in a wrong local minimum.
+void compare_with_reversed(const Selection& c, InitialWorkspace* w) {
   for (int round = 0; round < kReversalRounds && !w->refined.empty(); ++round) {
-    StartHypothesis reversed = depth_reversed(w->refined[0]);
+    InitialHypothesis reversed = depth_reversed(w->refined[0]);
     if (!refine_to_minimum(c, w->set.observations.view(), &w->adjustment, &reversed)) {
       return;
     }
@@ -220,18 +220,18 @@ void compare_with_reversed(const Selection& c, StartWorkspace* w) {
   }
 }
 
-/// Cost margin of the winner to `rival`: the smaller of the plain difference and of one in which no
-/// track decides alone. The latter is zero where the tracks do not agree.
+/// Cost margin of the winner to `rival`: the smaller of the plain difference and of one with a
+/// bound on each track's share. The latter is zero where the tracks do not agree.
 double cost_margin_to(const Selection& c,
                       std::span<const TrackObservation> observations,
-                      StartHypothesis* winner,
-                      StartHypothesis* rival) {
+                      InitialHypothesis* winner,
+                      InitialHypothesis* rival) {
   std::array<double, limits::kSelectionTracks> of_winner;
   std::array<double, limits::kSelectionTracks> of_rival;
-  const StartAdjustmentOptions options = selection_loss(c, 0);
+  const InitialAdjustmentOptions options = selection_loss(c, 0);
   const std::size_t tracks = winner->tracks;
-  start_track_costs(observations, winner->view(), options, std::span(of_winner).first(tracks));
-  start_track_costs(observations, rival->view(), options, std::span(of_rival).first(tracks));
+  initial_track_costs(observations, winner->view(), options, std::span(of_winner).first(tracks));
+  initial_track_costs(observations, rival->view(), options, std::span(of_rival).first(tracks));
   double plain = 0.0;
   double clipped = 0.0;
   double clipped2 = 0.0;
@@ -250,14 +250,14 @@ double cost_margin_to(const Selection& c,
 }
 
 int middle_frame(const SelectionSet& set) {
-  const StartCore& core = set.cores[set.cores.size() - 1];
+  const InitialCore& core = set.cores[set.cores.size() - 1];
   return core.frames[core.frames.size() / 2];
 }
 
-/// Where the costs do not decide, a convex hypothesis goes before a hollow one. The cost margin is
+/// Where the costs do not decide, a convex hypothesis comes before a hollow one. The cost margin is
 /// negative then.
-void prefer_convex(const StartOptions& options, StartWorkspace* w) {
-  StartHypotheses& list = w->refined;
+void prefer_convex(const InitialOptions& options, InitialWorkspace* w) {
+  InitialHypotheses& list = w->refined;
   if (list.empty() || convexity_of(w->set, &list[0]) > -kConvexityMin) {
     return;
   }
@@ -274,25 +274,25 @@ void prefer_convex(const StartOptions& options, StartWorkspace* w) {
 
 bool refine_to_minimum(const Selection& c,
                        std::span<const TrackObservation> observations,
-                       StartAdjustmentWorkspace* adjustment,
-                       StartHypothesis* h) {
+                       InitialAdjustmentWorkspace* adjustment,
+                       InitialHypothesis* h) {
   return refine(c, observations, kReversedIterations, adjustment, h);
 }
 
-StartAdjustmentOptions selection_loss(const Selection& c, int iterations_max) {
+InitialAdjustmentOptions selection_loss(const Selection& c, int iterations_max) {
   return {.iterations_max = iterations_max,
-          .loss = StartLoss::kTruncated,
+          .loss = InitialLoss::kTruncated,
           .width_sigma = kTruncation_sigmas,
           .sigma_scale = c.sigma_scale,
-          .rotations_held = c.rotations_held};
+          .rotations_fixed = c.rotations_fixed};
 }
 
-double convexity_of(const SelectionSet& set, StartHypothesis* h) {
+double convexity_of(const SelectionSet& set, InitialHypothesis* h) {
   return convexity_cue(set.observations.view(), middle_frame(set), h->view());
 }
 
-double cost_margin_of(const Selection& c, StartWorkspace* w) {
-  StartHypotheses& list = w->refined;
+double cost_margin_of(const Selection& c, InitialWorkspace* w) {
+  InitialHypotheses& list = w->refined;
   // Without a rival: the margin to the cost of no explanation at all.
   double margin =
       kTruncation_sigmas * kTruncation_sigmas * list[0].fit.observations - list[0].fit.cost;
@@ -304,10 +304,10 @@ double cost_margin_of(const Selection& c, StartWorkspace* w) {
   return margin;
 }
 
-void select_hypotheses(Selection* selection, StartWorkspace* w) {
+void select_hypotheses(Selection* selection, InitialWorkspace* w) {
   w->finalists.clear();
   double scale = kNoiseScaleMax;
-  for (const StartCore& core : w->set.cores) {
+  for (const InitialCore& core : w->set.cores) {
     select_on_core(core, selection, w);
     scale = std::min(scale, selection->sigma_scale);
   }

@@ -5,9 +5,9 @@
 namespace polhode {
 
 void begin_map(const InitialMap& initial, const MapOptions& options, Map* map) {
-  const StartOutcome& outcome = *initial.outcome;
+  const InitialOutcome& outcome = *initial.outcome;
   const Similarity& to_T = initial.to_T;
-  std::array<KeyframeId, limits::kStartFrames> keyframe_of{};
+  std::array<KeyframeId, limits::kInitialFrames> keyframe_of{};
   for (std::size_t f = 0; f < outcome.frames.size(); ++f) {
     const Pose pose = transformed(outcome.frames[f].pose, to_T);
     if (!outcome.frames[f].valid || !is_before_camera(pose) ||

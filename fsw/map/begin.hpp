@@ -1,4 +1,4 @@
-// A map, or a further part of one, from the selected hypothesis.
+// Makes a map, or a further part of one, from the selected hypothesis.
 #pragma once
 
 #include "geometry/alignment.hpp"
@@ -11,14 +11,14 @@ namespace polhode {
 
 /// What is taken over of an initialisation. Pointers are never null.
 struct InitialMap {
-  const StartOutcome* outcome = nullptr;
+  const InitialOutcome* outcome = nullptr;
   std::size_t first_frame = 0;  ///< the initialisation's, in the table
   const TrackTable* tracks = nullptr;
   Similarity to_T = {};  ///< takes the initialisation's frame and unit to the map's
 };
 
-/// Each frame with a pose becomes a keyframe, each track with a point a landmark seen where its
-/// features are. What the map holds already stays; full tables take no more.
+/// Each frame with a pose becomes a keyframe, each track with a point a landmark observed by its
+/// features. Present entries of the map stay; full tables take no more.
 void begin_map(const InitialMap& initial, const MapOptions& options, Map* map);
 
 }  // namespace polhode

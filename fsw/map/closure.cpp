@@ -43,7 +43,7 @@ int close_loop(LocaliseInput input,
       !accepted(*work, keyframe.pose, options)) {
     return 0;
   }
-  int tied = 0;
+  int associated = 0;
   for (const LandmarkMatch& match : work->matches) {
     const auto feature = static_cast<std::size_t>(match.feature);
     const LandmarkId young = keyframe.landmark_of[feature];
@@ -52,14 +52,14 @@ int close_loop(LocaliseInput input,
     }
     if (young.valid()) {
       merge_landmarks(young, match.landmark, map);
-      ++tied;
+      ++associated;
     }
     if (!keyframe.landmark_of[feature].valid() && !sees(keyframe, match.landmark)) {
       add_observation(id, feature, match.landmark, map);
-      ++tied;
+      ++associated;
     }
   }
-  return tied;
+  return associated;
 }
 
 }  // namespace polhode

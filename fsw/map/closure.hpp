@@ -1,4 +1,4 @@
-// A side comes back: its old landmarks and the newest keyframe are tied together.
+// Loop closure on a revisited aspect: associates its old landmarks with the newest keyframe.
 #pragma once
 
 #include "map/localise.hpp"
@@ -15,13 +15,12 @@ struct ClosureOptions {
   double turn_max_rad = 0.35;  ///< 20 deg of drift: a four-sided body looks alike at 90 deg
 };
 
-/// Looks for landmarks that were last seen long ago among the newest keyframe's features, within a
-/// third of the body about where the keyframe's pose puts them. When enough of them agree on one
-/// pose near the keyframe's, each becomes the landmark of its feature; a younger landmark that
-/// stood there is merged into it. The drift is still in the map then: an adjustment of all
-/// keyframes has to follow.
+/// Searches the newest keyframe's features for landmarks that were last seen long ago, within a
+/// third of the body of their projections. When enough of them agree on one pose near the
+/// keyframe's, each is associated with its feature; a younger landmark of that feature is merged
+/// into it. The drift stays in the map until an adjustment of all keyframes, which has to follow.
 /// @param input  of the keyframe's frame; its age is set here.
-/// @return observations tied or landmarks merged; 0 when nothing has come back.
+/// @return observations associated or landmarks merged; 0 when no aspect is revisited.
 int close_loop(LocaliseInput input,
                KeyframeId keyframe,
                const ClosureOptions& options,

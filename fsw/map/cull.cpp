@@ -1,4 +1,4 @@
-// What does not fit goes: observations with their residuals, landmarks with their observations.
+// Culling: drops observations by their residuals, and landmarks by their observations.
 #include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
@@ -24,8 +24,8 @@ double squared_residual(const Keyframe& keyframe,
 }
 
 bool is_bad(const Landmark& landmark, std::uint32_t keyframe_newest) {
-  // So long a landmark has to show itself. Chosen; with fewer frames a good one that was missed by
-  // chance goes, with more keyframes false ones stay.
+  // Frames and keyframes after which a landmark is decided on. Chosen; with fewer frames a good one
+  // that was missed by chance goes, with more keyframes false ones stay.
   constexpr int kTrialFrames = 4;
   constexpr std::uint32_t kTrialKeyframes = 3;
   const bool unseen = landmark.observations < 2;

@@ -25,7 +25,7 @@ double predicted_motion_px(const FlowReference& reference,
                            const Pose& predicted,
                            const Map& map,
                            const CameraModel& camera) {
-  constexpr double kOutOfReach_px = 1e6;  // more than any picture's width
+  constexpr double kOutOfReach_px = 1e6;  // beyond any image's width
   FixedVector<double, limits::kPoseMatches> motions;
   for (const LandmarkMatch& point : reference.points) {
     Eigen::Vector2d from;
@@ -57,7 +57,7 @@ Result<bool> localise_by_flow(const LocaliseInput& input,
         !project(*input.map, point.landmark, predicted, *input.camera, &now)) {
       continue;
     }
-    // What the measurement was off by in the reference stays with the patch.
+    // The measurement error in the reference image stays with the patch.
     const Eigen::Vector2d shift = now - before;
     (void)from.push_back({.u_px = point.u_px, .v_px = point.v_px});
     (void)to.push_back({.u_px = point.u_px + static_cast<float>(shift.x()),

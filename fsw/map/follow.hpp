@@ -1,4 +1,4 @@
-// Small motion: the landmarks of the reference keyframe followed by optical flow straight from its
+// Small motion: follows the landmarks of the reference keyframe by optical flow directly from its
 // image, so that no drift builds up between keyframes.
 #pragma once
 
@@ -7,14 +7,13 @@
 
 namespace polhode {
 
-/// The image that points are followed from, and the landmarks seen in it.
+/// The image from which points are followed, and the landmarks seen in it.
 struct FlowReference {
   bool valid = false;
-  cv::Mat gray;  ///< of which the pyramid is built when a frame is to be followed by flow
-  bool gray_to_come =
-      false;  ///< it is this step's picture still, and is taken over when the next one comes
+  cv::Mat gray;               ///< the pyramid is built when a frame is to be followed
+  bool gray_to_come = false;  ///< the image is this step's; it is copied when the next one comes
   Pyramid pyramid;
-  std::uint32_t frame = 0;  ///< that it was taken from
+  std::uint32_t frame = 0;  ///< of the image
   Pose pose;
   LandmarkMatches points;  ///< inliers of the frame
 };
@@ -33,7 +32,7 @@ double predicted_motion_px(const FlowReference& reference,
                            const Map& map,
                            const CameraModel& camera);
 
-/// Follows the reference's points to this frame, expected where `predicted` puts them, and solves
+/// Follows the reference's points to this frame, from their projections by `predicted`, and solves
 /// for the pose.
 /// @errors TooFewObservations, NoConsensus, Degenerate.
 Result<bool> localise_by_flow(const LocaliseInput& input,

@@ -10,7 +10,7 @@
 namespace polhode {
 namespace {
 
-/// A full table of landmarks gives up a tenth at a time, so that it does so seldom.
+/// Frees a tenth of a full table of landmarks at a time, so that this happens seldom.
 void make_room_for_landmarks(std::size_t features_max, MapState* s) {
   const auto free = limits::kLandmarks - static_cast<std::size_t>(s->map.landmark_count);
   if (free >= features_max) {
@@ -42,7 +42,7 @@ bool wants_keyframe(const MapInput& input, const MapState& s) {
 
 void veto_features(const MaskState& mask, Features* features, LandmarkMatches* matches) {
   if (!mask.sharp) {
-    return;  // nothing is ruled out, and features are large to move
+    return;  // no feature is ruled out, and a copy of the features is large
   }
   std::array<std::int32_t, limits::kFeatures> now_at{};
   now_at.fill(-1);

@@ -19,7 +19,7 @@ int observations(const Keyframe& keyframe) {
 
 /// Part of the keyframe's landmarks that three other keyframes see as well.
 double redundancy(const Keyframe& keyframe, const Map& map) {
-  // As many as confirm a landmark: without this keyframe they still do.
+  // As many as confirm a landmark: without this keyframe they still confirm it.
   constexpr int kOthers = 3;
   int seen = 0;
   int seen_elsewhere = 0;
@@ -46,9 +46,9 @@ double nearest_view_cosine(std::size_t slot, const Map& map) {
   return best;
 }
 
-/// Close together while there is room: features of one place that are seen anew are as good as
-/// other ones, and a young map's depths wait for them. In the second half of the table each takes
-/// the place of a view that will be wanted.
+/// Rotation between keyframes. Small while there is room: repeated observations of one place
+/// improve the depths of a young map. Twice that in the second half of the table, to leave room
+/// for aspects not yet seen.
 double spacing_rad(const Map& map, const MapOptions& options) {
   const bool much_room = 2 * map.keyframe_count < options.keyframes_max;
   return (much_room ? 1.0 : 2.0) * options.keyframe_rotation_min_rad;
@@ -61,8 +61,8 @@ bool wants_keyframe(const Map& map, const Pose& pose, int inliers, const MapOpti
   if (order.empty()) {
     return true;
   }
-  // Over a turn a of a young map depths are known as 1 / a^2: a view that widens it by 0.15 makes
-  // them better by a third.
+  // Over a rotation a of a young map the depth error falls as 1 / a^2: a view that adds 0.15 a
+  // reduces it by a quarter.
   constexpr double kWider = 0.15;
   double nearest_rad = 10.0;
   double farthest_rad = 0.0;
@@ -77,7 +77,7 @@ bool wants_keyframe(const Map& map, const Pose& pose, int inliers, const MapOpti
 
 KeyframeId most_redundant(const Map& map) {
   constexpr double kAlone = 0.94;       // cos 20 deg
-  constexpr std::uint32_t kNewest = 2;  // they carry the frames to come
+  constexpr std::uint32_t kNewest = 2;  // they support tracking in the next frames
   KeyframeId chosen;
   double highest = -1.0;
   for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
@@ -89,8 +89,8 @@ KeyframeId most_redundant(const Map& map) {
     if (closeness < kAlone) {
       continue;
     }
-    // Coverage of the view sphere breaks ties: among equals the one with the nearest neighbour
-    // goes.
+    // Among equally redundant keyframes the one with the nearest neighbour goes: the rest cover the
+    // view sphere more evenly.
     const double merit = redundancy(keyframe, map) + 0.01 * closeness;
     if (merit > highest) {
       highest = merit;

@@ -1,4 +1,4 @@
-// When a frame becomes a keyframe, and which keyframe makes room for it.
+// Choice of keyframes: when a frame becomes one, and which one is removed for it.
 #pragma once
 
 #include <cstdint>
@@ -11,10 +11,10 @@ namespace polhode {
 
 struct MapInput;  // map/map_state.hpp
 
-/// A frame becomes a keyframe when the body has turned against the camera by
+/// Should a frame become a keyframe? Yes when the body has rotated against the camera by
 /// keyframe_rotation_min_rad since the nearest keyframe (twice that when half of the table is
-/// taken, 0.15 of the map's own turn where that is less), or when it sees under
-/// keyframe_tracked_min of what the newest keyframe sees.
+/// taken, 0.15 of the map's own rotation where that is less). Also when it sees under
+/// keyframe_tracked_min of the newest keyframe's landmarks.
 bool wants_keyframe(const Map& map, const Pose& pose, int inliers, const MapOptions& options);
 
 /// Stores the frame; its inlier matches become observations. A full table first loses its most
@@ -22,12 +22,12 @@ bool wants_keyframe(const Map& map, const Pose& pose, int inliers, const MapOpti
 /// @return an invalid id when no keyframe may go.
 KeyframeId insert_keyframe(const MapInput& frame, const LocalisedFrame& localised, Map* map);
 
-/// Lets the most redundant keyframes go until `count` more fit under keyframes_max, or none may go.
-/// @return how many went.
+/// Removes the most redundant keyframes until `count` more fit under keyframes_max, or none may go.
+/// @return number removed.
 int make_room(int count, const MapOptions& options, Map* map);
 
-/// The keyframe of whose landmarks most are seen by three others, when that is over 90 %, else the
-/// one with the highest part; never the newest two, nor one that is alone on its side of the body
+/// The keyframe with the highest redundancy: the part of its landmarks that three others see. Among
+/// equals the one nearest to another keyframe. Never the newest two, nor the only one of its aspect
 /// (no other within 20 deg of viewing direction).
 KeyframeId most_redundant(const Map& map);
 

@@ -14,11 +14,11 @@
 namespace polhode {
 namespace {
 
-// Gate of new pairs about their epipolar line. The line has the drift between the two keyframes in
-// it, and a gate as narrow as the noise takes only those pairs whose errors agree with that drift:
-// the map then holds it for ever. At twice that it does so half as much; the adjustment judges who
-// is wrong, as nearly a tenth of the pairs' errors are beyond 3 sigma. For two views chi-square has
-// one degree of freedom.
+// Gate of new pairs about their epipolar line. The line contains the drift between the two
+// keyframes. A gate as narrow as the noise accepts only pairs whose errors agree with that drift,
+// which fixes the drift in the map. Twice that gate halves the effect; the adjustment then rejects
+// wrong pairs, nearly a tenth of which are beyond 3 sigma. For two views chi-square has one degree
+// of freedom.
 constexpr double kLineSigma = 6.0;
 constexpr double kChi2Pair = kLineSigma * kLineSigma;
 constexpr double kObservationSigma =
@@ -36,9 +36,9 @@ double view_angle_rad(const Pose& a, const Pose& b, const Eigen::Vector3d& centr
   return std::acos(std::clamp(to_a.dot(to_b), -1.0, 1.0));
 }
 
-/// Have the two been adjusted against each other? Those of one stretch of time have, and those that
-/// a closed loop has tied. Between others stands the drift, and a match along an epipolar line that
-/// is off by it is a match by chance.
+/// Have the two been adjusted against each other? True of neighbours in time, and of keyframes that
+/// a loop closure connects. Between others the epipolar line is off by the drift, and a match along
+/// it is a match by chance.
 bool connected(const Keyframe& a, const Keyframe& b) {
   // A pose from fewer common landmarks is off by more than a line's gate. Chosen.
   constexpr int kSharedMin = 15;
@@ -58,8 +58,8 @@ bool connected(const Keyframe& a, const Keyframe& b) {
   return shared >= kSharedMin;
 }
 
-/// Keyframes whose view of the body differs by enough for depth and little enough for descriptors,
-/// best first: the ideal is 8 deg, between small depth errors and descriptors that still hold.
+/// Partner keyframes, best first: their views differ by enough for depth and little enough for
+/// descriptors. The ideal is 8 deg, between small depth errors and matching descriptors.
 FixedVector<KeyframeId, limits::kKeyframes> partners_of(KeyframeId keyframe,
                                                         const CreateOptions& options,
                                                         const Map& map) {
@@ -84,7 +84,7 @@ FixedVector<KeyframeId, limits::kKeyframes> partners_of(KeyframeId keyframe,
   return partners;
 }
 
-/// Features that see no landmark, and stand at a place where no feature with a landmark stands.
+/// Features without a landmark, at places without a feature that has one.
 /// @cost  few neighbours of each feature by u, not all of them.
 void list_free(const Keyframe& keyframe,
                FixedVector<std::int32_t, limits::kFeatures>* taken,
@@ -119,7 +119,7 @@ void list_free(const Keyframe& keyframe,
   }
 }
 
-/// What a search along lines asks of each free feature of the partner first.
+/// Fills the table that a search along lines reads for each free feature of the partner.
 void prepare_lines(const Keyframe& partner,
                    const Eigen::Matrix3d& E,
                    double focal_px,
@@ -136,8 +136,8 @@ void prepare_lines(const Keyframe& partner,
   }
 }
 
-/// Sampson error against its gate, squared on both sides: lists whom the line passes. Plain loops
-/// of constant length over plain numbers, of which the compiler takes several at once.
+/// Lists the features whose Sampson error is within the gate, both squared. Plain loops of constant
+/// length over plain numbers, which the compiler vectorises.
 void list_near(const Eigen::Vector3d& line_b,
                double own_variance,
                std::size_t count,
@@ -159,7 +159,7 @@ void list_near(const Eigen::Vector3d& line_b,
       any |= inside[i];
     }
     if (any == 0) {
-      continue;  // most grains have nobody near the line
+      continue;  // most grains have no feature near the line
     }
     for (std::size_t i = 0; i < LineTable::kGrain && begin + i < count; ++i) {
       if (inside[i] != 0) {
@@ -202,9 +202,9 @@ RayObservation observation(const Keyframe& keyframe, std::int32_t feature, doubl
           .sigma_normalised = sigma_normalised(f, focal_px)};
 }
 
-/// The point of a matched pair, if it is one of this body's.
+/// Triangulates a matched pair; nothing where the point is not of this body.
 bool acceptable(const TriangulatedPoint& point, const CreateOptions& options, const Map& map) {
-  // A body is compact: what lies past twice the radius that holds 90 % of its landmarks is a
+  // A body is compact: a point beyond twice the radius that contains 90 % of its landmarks is a
   // mismatch.
   constexpr double kReach = 2.0;
   return point.chi2 < kChi2Pair && point.parallax_rad > options.parallax_min_rad &&
@@ -256,7 +256,7 @@ void match_partner(const Keyframe& own,
   scratch->distance_of_b.fill(std::numeric_limits<std::int32_t>::max());
   const double ratio2 = options.ratio_max * options.ratio_max;
   for (const std::int32_t index : scratch->free_a) {
-    const NearestFeature best = widely([&] {
+    const NearestFeature best = with_avx2([&] {
       return search_line(
           own.features[static_cast<std::size_t>(index)], partner, E, focal_px, scratch);
     });
@@ -271,14 +271,14 @@ void match_partner(const Keyframe& own,
   }
 }
 
-/// Was the landmark seen shortly before or after the keyframe, or both in the stretch before a loop
-/// and in that after it? Else the drift stands between.
+/// Does the keyframe lie between the landmark's first and last keyframe, to kRecentKeyframes? Else
+/// there is drift between them.
 bool of_same_stretch(const Landmark& landmark, const Keyframe& keyframe) {
   return keyframe.number + kRecentKeyframes >= landmark.created_keyframe &&
          keyframe.number <= landmark.seen_keyframe + kRecentKeyframes;
 }
 
-/// Looks for one landmark among the free features of one keyframe.
+/// Searches for one landmark among the free features of one keyframe.
 std::int32_t find_in(const Landmark& landmark,
                      const Keyframe& keyframe,
                      const FeatureGrid& grid,
@@ -287,7 +287,7 @@ std::int32_t find_in(const Landmark& landmark,
   if (!should_be_seen(landmark, keyframe.pose, camera, &pixel)) {
     return -1;
   }
-  // 3 sigma of the features are 1 to 2 px; the rest is the young landmark's own error.
+  // 3 sigma of the features are 1 to 2 px; the rest is for the young landmark's own error.
   constexpr double kReach_px = 6.0;
   std::array<std::int32_t, 32> near{};
   const std::size_t count = grid.find(pixel.x(), pixel.y(), kReach_px, near);
@@ -344,7 +344,7 @@ int extend_landmarks(std::int32_t first_number, const CameraModel& camera, Map* 
       (void)young.push_back(LandmarkId::from_index(i));
     }
   }
-  int tied = 0;
+  int associated = 0;
   FeatureGrid grid;
   std::array<bool, limits::kLandmarks> seen{};
   for (const KeyframeId id : keyframes_by_age(*map)) {
@@ -365,15 +365,15 @@ int extend_landmarks(std::int32_t first_number, const CameraModel& camera, Map* 
       if (seen[landmark.index()] || !of_same_stretch(map->landmarks[landmark.index()], keyframe)) {
         continue;
       }
-      const std::int32_t feature =
-          widely([&] { return find_in(map->landmarks[landmark.index()], keyframe, grid, camera); });
+      const std::int32_t feature = with_avx2(
+          [&] { return find_in(map->landmarks[landmark.index()], keyframe, grid, camera); });
       if (feature >= 0) {
         add_observation(id, static_cast<std::size_t>(feature), landmark, map);
-        ++tied;
+        ++associated;
       }
     }
   }
-  return tied;
+  return associated;
 }
 
 }  // namespace polhode

@@ -1,4 +1,4 @@
-// New landmarks from pairs of keyframes, and the end of bad ones.
+// Creation of landmarks from pairs of keyframes, their extension and culling.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +14,7 @@ struct CreateOptions {
   double ratio_max = 0.8;
 };
 
-/// Free features of a partner as a search along epipolar lines wants them: one number beside the
-/// other.
+/// Free features of a partner in the layout of a search along epipolar lines: a column a quantity.
 struct LineTable {
   static constexpr std::size_t kGrain = 8;  ///< doubles of a 512-bit register: rows end whole
   using Column = std::array<double, (limits::kFeatures + kGrain - 1) / kGrain * kGrain>;
@@ -37,8 +36,8 @@ struct CreateScratch {
 };
 
 /// Matches the free features of `keyframe` along the epipolar lines in up to four partner
-/// keyframes, triangulates, looks for the point in further keyframes, and keeps what agrees with
-/// all of them within chi-square.
+/// keyframes, triangulates, searches for the point in further keyframes, and keeps points that
+/// agree with all of them within chi-square.
 /// @return landmarks made.
 int create_landmarks(KeyframeId keyframe,
                      const CreateOptions& options,
@@ -46,16 +45,15 @@ int create_landmarks(KeyframeId keyframe,
                      CreateScratch* scratch,
                      Map* map);
 
-/// Ties landmarks to free features of keyframes in which they should be seen: within 3 sigma and
-/// alike in appearance. Done for the landmarks numbered `first_number` and up, in all keyframes
-/// that look at their side.
-/// @return observations tied.
+/// Associates landmarks with free features of keyframes in which they should be seen: within 3
+/// sigma and alike in appearance. Done for the landmarks numbered `first_number` and up, in all
+/// keyframes that face them.
+/// @return observations added.
 int extend_landmarks(std::int32_t first_number, const CameraModel& camera, Map* map);
 
-/// Unties observations whose reprojection error exceeds kInlierChi2 by the noise scale, then
-/// removes landmarks seen by fewer than two keyframes, those still seen by only two when three
-/// keyframes have come since, and those found in under a quarter of the frames that should have
-/// seen them.
+/// Drops observations whose reprojection error exceeds kInlierChi2 by the noise scale, then removes
+/// landmarks seen by fewer than two keyframes, those still seen by only two when three keyframes
+/// have come since, and those found in under a quarter of the frames that should have seen them.
 /// @return landmarks removed.
 int cull_landmarks(const CameraModel& camera, double noise_scale, Map* map);
 

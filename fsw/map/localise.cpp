@@ -10,7 +10,7 @@ namespace polhode {
 namespace {
 
 // Past 70 deg from its mean viewing direction a spot is foreshortened to a third and its descriptor
-// no longer holds.
+// no longer matches.
 constexpr double kFacingCosineMin = 0.342;
 
 int distance_to_views(const Landmark& landmark, const Feature& feature) {
@@ -76,7 +76,7 @@ void to_observations(const LocaliseInput& input,
   scratch->observations.clear();
   for (const LandmarkMatch& match : matches) {
     const Landmark& landmark = input.map->landmarks[match.landmark.index()];
-    // A landmark fixed by n observations carries 1/n of their variance into this frame's residual.
+    // A landmark determined by n observations adds 1/n of their variance to this frame's residual.
     const double own = 1.0 / std::max(1, landmark.observations);
     (void)scratch->observations.push_back(
         {.p_T = landmark.p_T,
@@ -111,8 +111,7 @@ Result<bool> solve_all(const LocaliseInput& input,
                        const Pose* hint,
                        LocaliseScratch* scratch,
                        LocalisedFrame* out) {
-  // With enough landmarks that have proved themselves the others only follow: they are marked by
-  // the pose of those.
+  // With enough confirmed landmarks only those determine the pose; the others are classified by it.
   const auto first_unconfirmed = std::stable_partition(
       out->matches.begin(), out->matches.end(), [&](const LandmarkMatch& match) {
         return confirmed(input.map->landmarks[match.landmark.index()]);
@@ -146,30 +145,30 @@ struct Agreement {
   }
 };
 
-/// Of a side that has come back, seen through the drift since, some landmark or other stands within
-/// the gate of a wrong feature (one in 16, in the smallest circle). Such ties hold the drift in
-/// place: an old side takes part where it agrees half as well as the young one, and beyond chance.
-bool drop_old_side_that_disagrees(const Map& map, LandmarkMatches* matches) {
+/// Drops the matches of a revisited aspect unless they agree half as well as those of the young
+/// one, and beyond chance. With the drift since, a landmark projects into the gate of a wrong
+/// feature by chance (one in 16, in the smallest circle). Such matches would fix the drift.
+bool drop_old_face_that_disagrees(const Map& map, LandmarkMatches* matches) {
   constexpr std::ptrdiff_t kInliersMin = 8;  // of an aspect: with fewer the rule below is noise
-  constexpr std::ptrdiff_t kYoungMin = 20;   // fewer are no measure
+  constexpr std::ptrdiff_t kYoungMin = 20;   // fewer are no basis for a comparison
   constexpr double kChance = 1.0 / 16.0;     // of a wrong feature to fall within the gate
-  Agreement old_side;
+  Agreement old_face;
   Agreement young;
-  const auto is_of_old_side = [&](const LandmarkMatch& match) {
+  const auto is_of_old_face = [&](const LandmarkMatch& match) {
     return is_old(map.landmarks[match.landmark.index()], map);
   };
   for (const LandmarkMatch& match : *matches) {
-    Agreement& side = is_of_old_side(match) ? old_side : young;
-    ++side.matches;
-    side.inliers += match.inlier ? 1 : 0;
+    Agreement& face = is_of_old_face(match) ? old_face : young;
+    ++face.matches;
+    face.inliers += match.inlier ? 1 : 0;
   }
   const double part_min =
       std::max(2.0 * kChance, young.matches < kYoungMin ? 4.0 * kChance : 0.5 * young.part());
-  if (old_side.matches == 0 || (old_side.inliers >= kInliersMin && old_side.part() >= part_min)) {
+  if (old_face.matches == 0 || (old_face.inliers >= kInliersMin && old_face.part() >= part_min)) {
     return false;
   }
   matches->resize(static_cast<std::size_t>(
-      std::remove_if(matches->begin(), matches->end(), is_of_old_side) - matches->begin()));
+      std::remove_if(matches->begin(), matches->end(), is_of_old_face) - matches->begin()));
   return true;
 }
 
@@ -189,7 +188,7 @@ void match_about(const LocaliseInput& input,
                  LocaliseScratch* scratch,
                  LocalisedFrame* out) {
   scratch->grid.build(input.features->view(), input.camera->width_px, input.camera->height_px);
-  // One feature to one landmark: of several that want it the nearest in appearance gets it.
+  // One feature to one landmark: of several candidates the nearest in appearance is matched.
   scratch->landmark_of_feature.fill(-1);
   scratch->distance_of_feature.fill(std::numeric_limits<std::int32_t>::max());
   const double ratio2 = input.ratio_max * input.ratio_max;
@@ -205,7 +204,7 @@ void match_about(const LocaliseInput& input,
     ++out->predicted;
     blob.size_px = landmark.size_mu * focal_px / pose.to_camera(landmark.p_T).z();
     const NearestFeature best =
-        widely([&] { return best_candidate(*input.features, landmark, blob, scratch->grid); });
+        with_avx2([&] { return best_candidate(*input.features, landmark, blob, scratch->grid); });
     if (best.feature < 0 || best.nearest2 > kDistance2Max || best.nearest2 > ratio2 * best.rival2) {
       continue;
     }
@@ -249,7 +248,7 @@ Result<bool> solve_matched(const LocaliseInput& input,
                            LocalisedFrame* out) {
   Result<bool> solved = solve_all(input, hint, scratch, out);
   if (solved && input.age == LandmarkAge::kAny &&
-      drop_old_side_that_disagrees(*input.map, &out->matches)) {
+      drop_old_face_that_disagrees(*input.map, &out->matches)) {
     solved = solve_all(input, hint, scratch, out);
   }
   return solved;

@@ -17,10 +17,10 @@
 
 namespace polhode {
 
-/// A feature of the frame that is taken for a landmark.
+/// A feature of the frame that is matched to a landmark.
 struct LandmarkMatch {
   LandmarkId landmark;
-  std::int32_t feature = -1;  ///< index into the frame's features; -1 where optical flow found it
+  std::int32_t feature = -1;  ///< index into the frame's features; -1: found by optical flow
   float u_px = 0.0F;          ///< distorted pixel
   float v_px = 0.0F;
   Eigen::Vector2d normalised = Eigen::Vector2d::Zero();
@@ -36,14 +36,13 @@ struct LocalisedFrame {
   int predicted = 0;  ///< landmarks that should be seen from this pose
 };
 
-/// The pose's covariance with what its matches say: those that are no inliers tell how much clutter
-/// there is, some of which falls within the gate and pulls. As many times larger as there are
-/// matches to an inlier.
+/// The pose's covariance times matches over inliers. Outliers measure the clutter, a part of which
+/// falls within the gate and biases the pose.
 [[nodiscard]] PoseCovariance with_clutter(const LocalisedFrame& frame);
 
 /// More inliers, beyond chance.
 [[nodiscard]] inline bool outnumbers(int inliers, int others) {
-  constexpr double kApart_sigmas = 3.0;  // 99.7 %, of a count as Poisson has it
+  constexpr double kApart_sigmas = 3.0;  // 99.7 %, of a count with Poisson noise
   return inliers - others >= kApart_sigmas * std::sqrt(static_cast<double>(inliers));
 }
 
@@ -56,28 +55,28 @@ struct LocaliseScratch {
   std::array<std::uint8_t, limits::kPoseMatches> inlier{};
 };
 
-/// So many inliers accept a pose, or a loop, that nothing else supports: alike faces of a body give
-/// chance matches by the dozen (the least that a pose needs is 12).
+/// Least inliers of a pose or loop that nothing else supports: alike faces of a body give chance
+/// matches by the dozen (the least that a pose needs is 12).
 inline constexpr int kInliersAlone = 30;
 
-/// So many inliers bear out a pose that is expected: the prior gives its six unknowns, and this is
-/// twice what determines a pose.
+/// Least inliers that confirm a predicted pose: the prior gives its six unknowns, and three
+/// observations determine a pose.
 inline constexpr int kInliersWithPrior = 6;
 
-/// Features this close are one blob's, in a search that a pose guides. Chosen: wider than that of
-/// match_mutual, as of two blobs so close either may be meant.
+/// Features this close are of one blob, in a search guided by a pose. Chosen: wider than that of
+/// match_mutual, as of two blobs so close either may be the landmark's.
 inline constexpr float kSamePlace_px = 2.0F;
 
-/// Landmarks that take part.
+/// Age of the landmarks that are matched.
 enum class LandmarkAge : std::uint8_t {
   kAny,
-  kOld,  ///< seen by none of the newest kRecentKeyframes keyframes: a side that comes back
+  kOld,  ///< seen by none of the newest kRecentKeyframes keyframes: of a revisited aspect
 };
-/// Over so many keyframes of 3 deg and more a body turns past what any one of them sees.
+/// Over this many keyframes, of 3 deg and more each, a body turns to another aspect.
 inline constexpr std::uint32_t kRecentKeyframes = 15;
 
-/// Drift has come between such a landmark and the newest keyframes: only as part of a side that
-/// agrees as a whole does it say anything.
+/// Between such a landmark and the newest keyframes there is drift: it is used only where its
+/// aspect agrees as a whole.
 inline bool is_old(const Landmark& landmark, const Map& map) {
   return map.next_keyframe_number - landmark.seen_keyframe > kRecentKeyframes;
 }
@@ -94,23 +93,23 @@ struct LocaliseInput {
   std::uint64_t stream = 0;  ///< differs from frame to frame
 };
 
-/// Is the landmark on the side that faces the camera, in front of it and inside the picture?
+/// Is the landmark on a visible face, in front of the camera and inside the image?
 bool should_be_seen(const Landmark& landmark,
                     const Pose& pose,
                     const CameraModel& camera,
                     Eigen::Vector2d* pixel);
 
-/// Landmarks of the wanted age that should be seen, tied to the features within `radius_px` of
-/// where `pose` puts them that look most alike; in `out->matches`, their number in
-/// `out->predicted`.
+/// Matches the landmarks of the requested age that should be seen, each to the feature most alike
+/// within `radius_px` of its projection by `pose`. Fills `out->matches`, and `out->predicted` with
+/// the number of these landmarks.
 void match_about(const LocaliseInput& input,
                  const Pose& pose,
                  double radius_px,
                  LocaliseScratch* scratch,
                  LocalisedFrame* out);
 
-/// Matches landmarks to features within `radius_px` of where `predicted` puts them, solves for the
-/// pose, matches anew about the result within its own covariance, and refines.
+/// Matches landmarks to features within `radius_px` of their projections by `predicted`, solves for
+/// the pose, matches again about the result within its own covariance, and refines.
 /// @errors TooFewObservations, NoConsensus, Degenerate.
 Result<bool> localise_guided(const LocaliseInput& input,
                              const Pose& predicted,
@@ -126,16 +125,15 @@ Result<bool> solve_matched(const LocaliseInput& input,
                            LocaliseScratch* scratch,
                            LocalisedFrame* out);
 
-/// Matches landmarks to features about an expected pose, as far as its own error reaches, and
-/// solves for the pose from the matches and the expectation together: for views that show too
-/// little for a pose of their own.
+/// Matches landmarks to features about a predicted pose, within its covariance, and solves for the
+/// pose from matches and prior together: for views with too few landmarks for a pose by themselves.
 /// @errors TooFewObservations, Degenerate.
 Result<bool> localise_with_prior(const LocaliseInput& input,
                                  const PosePrediction& prior,
                                  LocaliseScratch* scratch,
                                  LocalisedFrame* out);
 
-/// Solves for the pose from `out->matches` as they stand, by consensus, then matches anew about it
+/// Solves for the pose from `out->matches` as they stand, by consensus, then matches again about it
 /// and refines.
 /// @errors as above.
 Result<bool> localise_matched(const LocaliseInput& input,
@@ -156,13 +154,14 @@ Result<bool> relocalise_elsewhere(const LocaliseInput& input,
                                   LocaliseScratch* scratch,
                                   LocalisedFrame* out);
 
-/// Goes back to a frame that was solved before others.
+/// Restores the result of a frame that was solved before others.
 void take_matches(const LocaliseInput& input,
                   const LocalisedFrame& frame,
                   LocaliseScratch* scratch,
                   LocalisedFrame* out);
 
-/// Another pose for the frame that was solved last: its matches are told anew from their outliers.
+/// Replaces the pose of the frame that was solved last, and classifies its matches again into
+/// inliers and outliers.
 void take_pose(const Pose& pose,
                const PoseCovariance& covariance,
                LocaliseScratch* scratch,

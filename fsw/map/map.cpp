@@ -19,13 +19,13 @@ Landmark& at(Map* map, LandmarkId id) {
   return map->landmarks[id.index()];
 }
 
-/// Where a view from this direction goes: the views that differ most are kept, a new one replaces
-/// the one nearest to it once all places are taken.
+/// Slot for a view from this direction: the views that differ most are kept; a new one replaces the
+/// one nearest to it once all slots are taken.
 LandmarkView* place_for(const Eigen::Vector3d& direction_T, Landmark* landmark) {
-  constexpr double kSameSide = 0.966;  // cos 15 deg: nearer views look alike
-  for (LandmarkView& held : landmark->views) {
-    if (held.direction_T.dot(direction_T) > kSameSide) {
-      return &held;  // the newer one has the newer light
+  constexpr double kSameView = 0.966;  // cos 15 deg: nearer views look alike
+  for (LandmarkView& kept : landmark->views) {
+    if (kept.direction_T.dot(direction_T) > kSameView) {
+      return &kept;  // the newer one has the newer light
     }
   }
   if (!landmark->views.full()) {
@@ -44,7 +44,7 @@ LandmarkView* place_for(const Eigen::Vector3d& direction_T, Landmark* landmark) 
 
 using LandmarkFlags = std::array<bool, limits::kLandmarks>;
 
-/// Those whose views are no longer what they were; what is derived from the views is emptied.
+/// Flags the landmarks whose views have changed, and empties their derived values.
 void take_stale(Map* map, LandmarkFlags* stale) {
   for (std::size_t i = 0; i < map->landmarks.size(); ++i) {
     const Landmark& landmark = map->landmarks[i];

@@ -25,18 +25,18 @@ struct Keyframe {
   Pose refreshed_pose;                                      ///< at the last refresh_landmarks()
 };
 
-/// How a landmark looks from one side.
+/// Appearance of a landmark from one direction.
 struct LandmarkView {
   Eigen::Vector3d direction_T = Eigen::Vector3d::Zero();  ///< unit, towards the camera
-  KeyframeId keyframe;  ///< that it is taken from, and which feature of it
+  KeyframeId keyframe;  ///< source of the view, and the feature in it
   std::int32_t feature = -1;
   Descriptor descriptor{};
 };
 
 struct Landmark {
-  static constexpr std::size_t kViews = 3;  ///< its range of view in steps that SIFT still matches
+  static constexpr std::size_t kViews = 3;  ///< cover its range of view in steps that SIFT matches
 
-  // What is asked of all landmarks in every frame comes first: it is together in memory.
+  // Members that are read of all landmarks in every frame come first, together in memory.
   bool used = false;
   std::int32_t number = -1;       ///< never used twice in a run
   std::int32_t observations = 0;  ///< in keyframes
@@ -46,26 +46,26 @@ struct Landmark {
   std::uint32_t seen_keyframe = 0;  ///< number of the last keyframe that saw it
   Eigen::Vector3d p_T = Eigen::Vector3d::Zero();
   Eigen::Vector3d normal_T = Eigen::Vector3d::Zero();  ///< mean direction to the cameras that see
-                                                       ///< it: stands in for the surface normal
+                                                       ///< it, in place of the surface normal
   double size_mu = 0.0;                                ///< radius of its blob on the body
-  double spread_rad = 0.0;  ///< between its oldest direction of view and the one farthest from it
+  double spread_rad = 0.0;  ///< largest angle from its oldest direction of view
   Eigen::Vector3d oldest_direction_T = Eigen::Vector3d::Zero();  ///< of view
   FixedVector<LandmarkView, kViews> views;
   bool observations_changed = true;                         ///< since the last refresh_landmarks()
-  Eigen::Vector3d refreshed_p_T = Eigen::Vector3d::Zero();  ///< at that
+  Eigen::Vector3d refreshed_p_T = Eigen::Vector3d::Zero();  ///< at the last refresh
 };
 
-/// Three keyframes over 15 deg of rotation. Glints and silhouettes stay where they are in the
-/// picture while the body turns; for a few degrees they pass for spots at the depth of the axis,
-/// and would slow the estimated rotation down.
+/// Confirmed: seen by three keyframes over 15 deg of rotation. Glints and silhouettes stay in place
+/// in the image while the body rotates; over a few degrees they look like points at the depth of
+/// the axis, and would slow the estimated rotation down.
 inline bool confirmed(const Landmark& landmark) {
   constexpr int kObservationsMin = 3;      // two always fit some depth
   constexpr double kSpreadMin_rad = 0.26;  // 15 deg
   return landmark.observations >= kObservationsMin && landmark.spread_rad >= kSpreadMin_rad;
 }
 
-/// With so many confirmed landmarks in sight the others are left out: these outline the body and
-/// carry a pose by themselves (a pose needs 12).
+/// With this many confirmed landmarks in view the others are left out: these outline the body and
+/// determine a pose (a pose needs 12).
 inline constexpr int kConfirmedAlone = 30;
 
 struct Map {
@@ -84,27 +84,27 @@ struct Map {
 KeyframeId add_keyframe(Map* map);
 LandmarkId add_landmark(Map* map);
 
-/// Frees the slot; the landmark's observations are untied.
+/// Frees the slot; the landmark's observations are unassociated.
 void remove_landmark(LandmarkId id, Map* map);
 /// As remove_landmark() of each, none twice, in one pass over the keyframes.
 void remove_landmarks(std::span<const LandmarkId> ids, Map* map);
 /// Frees the slot; landmarks that fewer than two keyframes still see go with it.
 void remove_keyframe(KeyframeId id, Map* map);
 
-/// The keyframe of that time goes, where there is one: its picture is of another time.
+/// Removes the keyframe of that time, if there is one: its image is of another time.
 void withdraw_keyframe(std::int64_t timestamp_ns, Map* map);
 
-/// Ties feature `feature` of a keyframe to a landmark; the feature must be free.
+/// Associates feature `feature` of a keyframe with a landmark; the feature must be free.
 void add_observation(KeyframeId keyframe, std::size_t feature, LandmarkId landmark, Map* map);
 void remove_observation(KeyframeId keyframe, std::size_t feature, Map* map);
 
-/// Two landmarks turn out to be one: the observations of `from` go to `into`, except in keyframes
+/// Merges two landmarks of one point: the observations of `from` go to `into`, except in keyframes
 /// that see `into` already.
 void merge_landmarks(LandmarkId from, LandmarkId into, Map* map);
 
 /// Recomputes the mean viewing direction, blob size and views from the keyframes, and the map's
-/// extent. Of landmarks that stand where they stood at the last time, with the same observations
-/// from keyframes that do, too, they are what they were, and are not touched.
+/// extent. Skips landmarks with the same position and observations as at the last time, if their
+/// keyframes have not moved.
 void refresh_landmarks(Map* map, const CameraModel& camera);
 
 /// Slots of the used keyframes, newest first.

@@ -17,8 +17,8 @@ void begin_frame(MapState* state) {
   state->pyramid.built = false;
   state->localised.matches.clear();
   state->pose_valid = false;
-  state->pose_teaches = true;
-  state->doubted = PoseCovariance::Zero();
+  state->pose_updates_motion = true;
+  state->inconsistency = PoseCovariance::Zero();
   state->moved_rad = 0.0;
 }
 
@@ -33,8 +33,8 @@ void reset_map(MapState* state) {
   state->reference.points.clear();
   state->localised.matches.clear();
   state->pose_valid = false;
-  state->pose_teaches = true;
-  state->doubted = PoseCovariance::Zero();
+  state->pose_updates_motion = true;
+  state->inconsistency = PoseCovariance::Zero();
   state->before = {};
 }
 

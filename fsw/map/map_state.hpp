@@ -1,4 +1,4 @@
-// Everything that this room remembers from frame to frame.
+// The state of this room, kept from frame to frame.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace polhode {
 
-/// What this room has counted since the counts were last taken.
+/// Counts since they were last taken.
 struct MapCounts {
   std::uint32_t tables_full = 0;
   std::uint32_t keyframes_inserted = 0;
@@ -24,31 +24,32 @@ struct MapCounts {
   std::uint32_t closures = 0;
 };
 
-/// By what the map has grown while an adjustment of it was out; the next one is for that.
+/// Growth of the map while an adjustment was under way; the next adjustment covers it.
 struct GrowthWaiting {
   bool any = false;
-  bool closed = false;  ///< a loop, too
+  bool closed = false;  ///< a loop closure, too
 };
 
-/// How large the map was when all of it was adjusted last.
+/// Size of the map at its last adjustment of all keyframes.
 struct LastAdjustment {
   std::uint32_t keyframes = 0;
   std::uint32_t next_keyframe_number = 0;
 };
 
-/// What recognise_frame() has found so far.
+/// State of recognise_frame() over successive frames.
 struct RecognisedPose {
-  int frames = 0;           ///< in succession that show the same side; 0: none
+  int frames = 0;           ///< in succession with the same aspect; 0: none
   int agreeing = 0;         ///< blobs, in all of them
   std::uint32_t frame = 0;  ///< the last of them
   Pose pose;                ///< in it
 };
 
-/// Of the frames before this one.
+/// Results of earlier frames.
 struct PosesBefore {
-  int inliers = 0;  ///< of the last pose that features gave
+  int inliers = 0;  ///< of the last pose by features
   RecognisedPose recognised;
-  std::uint32_t looked_for = 0;  ///< frames in which a model's target was, and was not recognised
+  std::uint32_t looked_for = 0;  ///< frames in which a model's target was searched for, and not
+                                 ///< recognised
 };
 
 /// Working memory; contents mean nothing between calls.
@@ -62,14 +63,14 @@ struct MapScratch {
 struct MapState {
   Map map;
   MapDrift drift;
-  std::uint32_t target_frame = 0;  ///< number of the frame T that the map is in
-  FlowReference reference;         ///< what optical flow follows
-  Pyramid pyramid;                 ///< of this frame, once it is followed
-  LocalisedFrame localised;        ///< this frame's pose and matches
-  bool pose_valid = false;         ///< this frame has a pose
-  bool pose_teaches = true;        ///< not mostly what the motion expects, nor the last one again
-  PoseCovariance doubted =
-      PoseCovariance::Zero();  ///< of a pose that departs from the motion, or repeats: by how much
+  std::uint32_t target_frame = 0;   ///< number of the map's frame T
+  FlowReference reference;          ///< reference of optical flow
+  Pyramid pyramid;                  ///< of this frame, once it is followed
+  LocalisedFrame localised;         ///< this frame's pose and matches
+  bool pose_valid = false;          ///< this frame has a pose
+  bool pose_updates_motion = true;  ///< false: mostly the motion's prior, or a repeated pose
+  PoseCovariance inconsistency =
+      PoseCovariance::Zero();  ///< squared innovation of a suspect or repeated pose
   PosesBefore before;
   GrowthWaiting growth;
   LastAdjustment last_adjustment_of_all;
@@ -78,7 +79,7 @@ struct MapState {
   MapScratch scratch;
 };
 
-/// A frame as this room sees it, and the options that hold for it. Pointers are never null.
+/// A frame as input of this room, with its options. Pointers are never null.
 struct MapInput {
   std::uint32_t frame = 0;
   std::int64_t timestamp_ns = 0;
@@ -94,16 +95,16 @@ struct MapInput {
   std::uint64_t seed = 0;
 };
 
-/// As localisation takes it.
+/// Input of the localisation.
 LocaliseInput localise_input(const MapInput& input, const Map& map);
 
-/// Clears what the last frame has left.
+/// Clears the last frame's results.
 void begin_frame(MapState* state);
 
-/// A frame was not looked at, or has no pose: the next one is not followed by flow.
+/// After a frame that was skipped or has no pose: the next one is not followed by flow.
 void drop_reference(MapState* state);
 
-/// No map; T's number, and pictures that are still to come, stay.
+/// Clears the map; T's number stays, and so do images that are still to come.
 void reset_map(MapState* state);
 
 }  // namespace polhode

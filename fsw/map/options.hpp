@@ -25,7 +25,7 @@ struct MapOptions {
   int window_keyframes = 10;                 ///< keyframes that the windowed adjustment moves
   // Chosen; larger: closer to the minimum, and longer jobs.
   int adjustment_iterations_max = 10;        ///< iterations of one adjustment at most
-  // decision 0064: more gains nothing, and takes some 700 octets of the jobs' pool each.
+  // decision 0064: more gains nothing, and takes some 700 bytes of the jobs' pool each.
   int adjustment_observations_max = 10000;   ///< observations of one adjustment; the best-seen landmarks take part, the others follow
   // 2 deg: a 0.5 px error at f = 1000 px is then 1.4 % of depth.
   double landmark_parallax_min_rad = 0.035;  ///< least angle between the rays of a new landmark

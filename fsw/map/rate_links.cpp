@@ -9,10 +9,10 @@
 namespace polhode {
 namespace {
 
-// dw/dt over w^2, RMS of an axis, of free bodies at random: logarithms of their second moments are
-// 1.5 apart, as in rigid_model, and rates have any direction (decision 0109).
+// dw/dt over w^2, RMS of an axis, of random free bodies: logarithms of their second moments are 1.5
+// apart, as in rigid_model, and rates have any direction (decision 0109).
 constexpr double kChange = 0.17;
-// Over longer turns the mean rate is none of the middle.
+// Longest turn of a link: over a longer one the mean rate is not that of the middle.
 constexpr double kTurnMax_rad = 0.3;
 
 struct Turn {
@@ -20,7 +20,7 @@ struct Turn {
   Eigen::Vector3d turn_I = Eigen::Vector3d::Zero();
 };
 
-/// From one of the snapshot's keyframes to another.
+/// Rotation from one of the snapshot's keyframes to another.
 Turn turn_between(const AdjustmentSnapshot& s, std::size_t from, std::size_t to) {
   return {.duration_s = 1e-9 * static_cast<double>(s.timestamps_ns[to] - s.timestamps_ns[from]),
           .turn_I = so3_log(s.R_IC[to] * s.poses[to].R_CT *
@@ -43,8 +43,8 @@ bool can_link(const Turn& turn) {
   return turn.duration_s > 0.0 && turn.turn_I.norm() < kTurnMax_rad;
 }
 
-/// Are both of one motion? Else nobody counted how often the body turned, as over an hour between
-/// two passes.
+/// Are both of one motion? Else the number of revolutions between them is unknown, as over an hour
+/// between two passes.
 bool go_on(const Turn& a, const Turn& b) {
   // A right angle, by the other's rate: a half turn back looks like one ahead.
   constexpr double kMost_rad = 1.57;
@@ -54,10 +54,10 @@ bool go_on(const Turn& a, const Turn& b) {
   return by_rate_of(a, b) < kMost_rad && by_rate_of(b, a) < kMost_rad;
 }
 
-/// dw/dt over the last two turns is what it was over the two before, less what it forgets: by a
-/// factor of e over a radian. Of free bodies at random half is left after it; one that forgot at
-/// once could bend an arc, and one that never did could not be disturbed. Without two before, it is
-/// about zero.
+/// Predicts dw/dt over the last two turns as that over the two before, decayed by a factor of e per
+/// radian. On random free bodies half of it is left after a radian. Without decay a disturbance
+/// could not be followed; with an instant one an arc could bend. Without two earlier turns the
+/// prediction is zero.
 RateLink link_of(const Turn* before, const Turn& first, const Turn& second) {
   const double span_s = first.duration_s + second.duration_s;
   const double rate_rad_s =

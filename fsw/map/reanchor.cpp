@@ -22,8 +22,8 @@ Eigen::Matrix3d mean_rotation(std::span<const ReanchorFrame> frames) {
   return nearest_rotation(sum);
 }
 
-/// How much the prediction's error can change over the start, which one rotation from T' to T does
-/// not take up: by its growth, and by rotating with the body.
+/// Bound on the change of the prediction's error over the new map's frames, which one rotation from
+/// T' to T cannot absorb: the error grows, and it rotates with the body.
 double changes_rad(std::span<const ReanchorFrame> frames, double turn_rad) {
   const auto [least, most] = std::minmax_element(
       frames.begin(), frames.end(), [](const ReanchorFrame& l, const ReanchorFrame& r) {
@@ -33,7 +33,7 @@ double changes_rad(std::span<const ReanchorFrame> frames, double turn_rad) {
                     2.0 * std::sin(0.5 * turn_rad) * most->predicted_sigma_rad);
 }
 
-void judge_attitudes(std::span<const ReanchorFrame> frames, Reanchoring* reanchoring) {
+void check_attitudes(std::span<const ReanchorFrame> frames, Reanchoring* reanchoring) {
   double squares = 0.0;
   for (const ReanchorFrame& frame : frames) {
     const Eigen::Matrix3d R_CT = frame.start.R_CT * reanchoring->to_T.R_ba.transpose();
@@ -43,14 +43,14 @@ void judge_attitudes(std::span<const ReanchorFrame> frames, Reanchoring* reancho
         reanchoring->turn_rad, rotation_angle_rad(frame.start.R_CT, frames.front().start.R_CT));
   }
   reanchoring->misfit_rad = std::sqrt(squares / static_cast<double>(frames.size()));
-  // Of the start's turn, 1-sigma: a start is committed where its depths, and with them its turn,
-  // are known this well (decision 0067).
+  // Of the new map's rotation, 1-sigma: an initialisation is committed to when its depths, and with
+  // them its rotation, have this relative error (decision 0067).
   constexpr double kTurnPart = 0.06;
-  // A phase that is off by this is within a half turn to three sigma; by more it says nothing of
-  // where T is, however well a rate is known that brought it there.
+  // With this phase error three sigma are within a half turn. A larger one does not constrain T,
+  // however accurate the rate is.
   constexpr double kPhaseKnown_rad = 1.0;
-  // What changes evenly has an RMS of 1 / sqrt(12) of it about its mean; 99.7 % of three numbers
-  // lie within 3.8 sigma.
+  // A linear change has an RMS of 1 / sqrt(12) of it about its mean; 99.7 % of three numbers lie
+  // within 3.8 sigma.
   constexpr double kChangePart = 1.1;
   const bool known = std::all_of(frames.begin(), frames.end(), [](const ReanchorFrame& frame) {
     return frame.predicted_sigma_rad < kPhaseKnown_rad;
@@ -62,29 +62,30 @@ void judge_attitudes(std::span<const ReanchorFrame> frames, Reanchoring* reancho
 }
 
 /// Scale k, origin q and the prediction's common offset d with k p' - R' Q^T q + d = p over all
-/// frames. What the path leaves open is held by the body: its sides have like extents, so the units
-/// of T and T', both the extent of a start's landmarks, differ little; and q is on its near side.
+/// frames. The body constrains what the translations leave undetermined: its aspects have like
+/// extents, so the units of T and T', each the extent of an initialisation's landmarks, differ
+/// little; and q lies on the visible face.
 Eigen::Vector4d scale_and_origin(std::span<const ReanchorFrame> frames,
                                  const ReanchorBody& body,
                                  const Eigen::Matrix3d& R_ba) {
   using Vector7 = Eigen::Matrix<double, 7, 1>;
   constexpr double kShapeOfPath_radii = 0.05;  // 1-sigma of the predicted path but for its offset
-  // 1-sigmas of what is taken for granted of a compact body: where its near side lies, and how
-  // alike the extents of two aspects are.
-  constexpr double kNearSide_radii = 0.5;
+  // Priors of a compact body, 1-sigma: the distance of its visible face from the centre, and the
+  // ratio of the extents of two aspects.
+  constexpr double kNearFace_radii = 0.5;
   constexpr double kLikeExtents = 0.3;
   const auto weight = [](double sigma) { return 1.0 / (sigma * sigma); };
   const double shape_weight = weight(kShapeOfPath_radii * body.radius_mu);
   const Pose& last = frames.back().predicted;
-  const Eigen::Vector3d near_side_T =
+  const Eigen::Vector3d near_face_T =
       body.centre_T +
-      kNearSide_radii * body.radius_mu * (last.camera_T() - body.centre_T).normalized();
+      kNearFace_radii * body.radius_mu * (last.camera_T() - body.centre_T).normalized();
   Vector7 weights;
   weights << weight(kLikeExtents),
-      Eigen::Vector3d::Constant(weight(kNearSide_radii * body.radius_mu)),
+      Eigen::Vector3d::Constant(weight(kNearFace_radii * body.radius_mu)),
       Eigen::Vector3d::Constant(weight(frames.front().predicted_sigma_mu));
   Vector7 expected;
-  expected << 1.0, near_side_T, Eigen::Vector3d::Zero();
+  expected << 1.0, near_face_T, Eigen::Vector3d::Zero();
   Eigen::Matrix<double, 7, 7> normal = weights.asDiagonal();
   Vector7 right = weights.cwiseProduct(expected);
   for (const ReanchorFrame& frame : frames) {
@@ -98,9 +99,8 @@ Eigen::Vector4d scale_and_origin(std::span<const ReanchorFrame> frames,
 
 }  // namespace
 
-Result<Reanchoring> reanchor_start(std::span<const ReanchorFrame> frames,
-                                   const ReanchorBody& body) {
-  constexpr std::size_t kFramesMin = 3;  // two leave a path without a check
+Result<Reanchoring> reanchor_map(std::span<const ReanchorFrame> frames, const ReanchorBody& body) {
+  constexpr std::size_t kFramesMin = 3;  // with two the path has no check
   if (frames.size() < kFramesMin) {
     return ErrorCode::kTooFewObservations;
   }
@@ -119,7 +119,7 @@ Result<Reanchoring> reanchor_start(std::span<const ReanchorFrame> frames,
   }
   reanchoring.to_T.scale = found(0);
   reanchoring.to_T.t_ba = found.tail<3>();
-  judge_attitudes(frames, &reanchoring);
+  check_attitudes(frames, &reanchoring);
   return reanchoring;
 }
 

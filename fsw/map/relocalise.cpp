@@ -7,7 +7,7 @@ namespace polhode {
 
 namespace {
 
-/// Features and the landmarks of `table` that look most alike, then a pose from them.
+/// Matches features to the nearest landmarks of `table`, then solves for a pose.
 Result<bool> relocalise_among(const DescriptorTable& table,
                               const LocaliseInput& input,
                               LocaliseScratch* scratch,
@@ -23,7 +23,7 @@ Result<bool> relocalise_among(const DescriptorTable& table,
       continue;
     }
     const std::int32_t landmark = table.landmark[static_cast<std::size_t>(found[f].nearest)];
-    // The second best may be another view of the same landmark: then it is no rival.
+    // The second best is no rival if it is another view of the same landmark.
     const bool rival = found[f].second >= 0 &&
                        table.landmark[static_cast<std::size_t>(found[f].second)] != landmark;
     const bool clear = !rival || static_cast<double>(found[f].distance2_nearest) <=

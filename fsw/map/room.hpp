@@ -1,4 +1,4 @@
-// What a full table of landmarks gives up for a side that comes into view.
+// Frees slots of a full table of landmarks for an aspect that comes into view.
 #pragma once
 
 #include <cstddef>
@@ -7,10 +7,10 @@
 
 namespace polhode {
 
-/// Frees slots until `wanted` are free: of the landmarks that none of the newest two keyframes
-/// sees, those go first that fewest keyframes confirm, and among equals those that were not seen
-/// for longest. What the newest keyframes see stays, so tracking goes on.
-/// @return landmarks that went.
+/// Frees slots until `wanted` are free. Landmarks seen by the newest two keyframes stay, so
+/// tracking goes on. Of the others those with fewest observations go first, and among equals those
+/// unseen for longest.
+/// @return landmarks removed.
 int make_landmark_room(std::size_t wanted, Map* map);
 
 }  // namespace polhode

@@ -23,15 +23,15 @@ Vector6 difference(const Pose& to, const Pose& from) {
 
 constexpr double kDepthError = 0.05;  // of a map's depths: some percent
 
-/// Fewer poses than that have checked the motion. @param start_checks  the initialisation's poses
-/// among them.
-bool is_young(const ExpectedPose& expected, bool start_checks) {
+/// Fewer than kPosesTried poses have checked the motion.
+/// @param initialisation_checks  the initialisation's poses count, too.
+bool is_young(const ExpectedPose& expected, bool initialisation_checks) {
   return expected.prediction.rotation_poses < kPosesTried ||
-         (!start_checks && expected.poses_since_start < kPosesTried);
+         (!initialisation_checks && expected.poses_since_start < kPosesTried);
 }
 
-/// Most keyframes are never followed, and most frames not by flow: pyramids are built for those
-/// that are.
+/// Builds the pyramids where they are missing. Most keyframes and frames are never followed by
+/// flow, so they are not built in advance.
 void ensure_pyramids(const cv::Mat& gray, MapState* s) {
   if (!s->reference.pyramid.built) {
     build_pyramid(s->reference.gray, &s->reference.pyramid);
@@ -40,24 +40,24 @@ void ensure_pyramids(const cv::Mat& gray, MapState* s) {
 }
 
 /// Enough inliers beyond chance. A mismatch within the smallest circle (4 px) falls within 4 sigma
-/// (1 px) of its landmark by chance one time in 16; twice that many are beyond chance. How many
-/// landmarks should be seen says less: a map holds more of them than a frame has features.
+/// (1 px) of its landmark by chance one time in 16; twice that many are beyond chance. The number
+/// of landmarks that should be seen is no measure: a map has more of them than a frame features.
 bool agrees(const LocalisedFrame& localised, int inliers_min) {
   constexpr int kByChance = 16 / 2;  // twice one in 16
   return localised.absolute.inliers >=
          inliers_min + static_cast<int>(localised.matches.size()) / kByChance;
 }
 
-/// So many inliers, and so little else, that the pose is accepted without the motion. Foil that
-/// stays where it is while the body turns carried wrong poses with half of the matches; right ones
-/// on textured bodies have two thirds and more.
+/// Enough inliers, and few enough outliers, for a pose without the motion prior. Reflections in
+/// foil that stay in place while the body rotates have supported wrong poses with half of the
+/// matches; right poses on textured bodies have two thirds and more.
 bool certain(const LocalisedFrame& localised) {
   return localised.absolute.inliers >= kInliersAlone &&
          5 * localised.absolute.inliers >= 3 * static_cast<int>(localised.matches.size());
 }
 
-/// A pose with under half the inliers of the last one. About a wrong prediction some agree with a
-/// pose that lags behind the body, and where the light has changed it is all that there is.
+/// A pose with under half the inliers of the last one. About a wrong prediction some matches agree
+/// with a pose that lags behind the body. After a change of light even the right pose has no more.
 bool is_thin(const LocalisedFrame& localised, const MapState& s) {
   return 2 * localised.absolute.inliers < s.before.inliers;
 }
@@ -68,9 +68,9 @@ double sigma_between(const PoseCovariance& one, const PoseCovariance& other) {
                    other.topLeftCorner<3, 3>().diagonal().maxCoeff());
 }
 
-/// Is it within what a contact makes of one step? It changes a body's rate, not its attitude: one
-/// that is stopped, reversed or made three times as fast is off by two steps. A motion that has
-/// hardly been checked rules out nothing.
+/// Could a contact within the last step explain the pose? It changes a body's rate, not its
+/// attitude: a body stopped, reversed or made three times as fast is off by up to two steps. A
+/// motion that has hardly been checked rules out nothing.
 bool within_steps(const ExpectedPose& expected, const AbsolutePose& found, double moved_rad) {
   constexpr double kSteps = 2.0;  // from one step on to one step back
   const double bound_rad = (kSteps + kDepthError) * expected.step_rad +
@@ -80,20 +80,19 @@ bool within_steps(const ExpectedPose& expected, const AbsolutePose& found, doubl
          rotation_angle_rad(found.pose.R_CT, expected.prediction.pose.R_CT) < bound_rad;
 }
 
-/// Could a body that moved as expected until the last pose be here? A slow one that is pushed goes
-/// further than two of its steps. Faces that look alike are further apart, and so are most pictures
-/// of another moment.
+/// Could the body be here, with a push since the last pose? A slow body goes further than two of
+/// its steps then. Alike faces are further apart, and so are most images of another time.
 bool within_reach(const ExpectedPose& expected, const AbsolutePose& found, double moved_rad) {
   constexpr double kPushed_rad = 0.17;  // 10 deg from one frame to the next. Chosen
   return within_steps(expected, found, moved_rad) ||
          rotation_angle_rad(found.pose.R_CT, expected.prediction.pose.R_CT) < kPushed_rad;
 }
 
-/// The prediction with what the map's depth error makes of the step, where it says enough of which
-/// feature is which.
+/// The prediction, widened by the map's depth error times the step; nothing where its attitude is
+/// too uncertain for matching.
 std::optional<PosePrediction> tried_prior(const ExpectedPose& expected) {
   PosePrediction prior = expected.prediction;
-  // A map's depth is known to some percent, which falsifies a step by as much (plausible()).
+  // A map's depth has an error of some percent, and so has a step (plausible()).
   widen_attitude(kDepthError * expected.step_rad, &prior.covariance);
   const double variance = prior.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff();
   if (is_young(expected, false) ||
@@ -119,10 +118,10 @@ void prepare_flow(const cv::Mat& gray, MapState* s) {
 }
 
 bool follow_by_flow(const MapInput& input, const ExpectedPose& expected, MapState* s) {
-  // Edges slide along themselves; glints and what is behind the silhouette stay in place while the
-  // body turns. From a patch that was taken more than a degree ago flow finds poses that lag, by up
-  // to 3 deg, all of a narrow face's landmarks alike. A keyframe comes later than that, and needs
-  // features anyway.
+  // Edges slide along themselves; glints and background at the silhouette stay in place while the
+  // body rotates. From a patch more than a degree old, flow finds poses that lag by up to 3 deg,
+  // with all of a narrow face's landmarks in agreement. A keyframe comes later than a degree, and
+  // needs features anyway.
   constexpr double kTurnMost_rad = 0.0175;
   const Pose& predicted = expected.prediction.pose;
   if (!s->reference.valid ||
@@ -145,16 +144,17 @@ bool follow_by_flow(const MapInput& input, const ExpectedPose& expected, MapStat
 bool find_about(const MapInput& input, const ExpectedPose& expected, MapState* s) {
   const Pose& predicted = expected.prediction.pose;
   const double body_px = s->map.radius_mu * input.camera->focal_px() / predicted.p_CT.z();
-  // The rotation of one frame to the next is predicted to about a tenth; three circles, each three
-  // times the one before, bracket what that leaves.
+  // The rotation between frames is predicted to about a tenth; three circles, each three times the
+  // one before, cover the error.
   const double first_px = std::max(input.localise->search_floor_px, 0.04 * body_px);
   LocalisedFrame& best = s->scratch.other;
   best.absolute.inliers = 0;
   bool best_believable = false;
-  // What agrees with the initialisation, in whichever circle, goes before what may contradict it.
-  for (const bool start_checks : {true, false}) {
-    if (!start_checks && is_young(expected, true) == is_young(expected, false)) {
-      break;  // the same again
+  // A pose that agrees with the initialisation, in any circle, comes before one that may contradict
+  // it.
+  for (const bool initialisation_checks : {true, false}) {
+    if (!initialisation_checks && is_young(expected, true) == is_young(expected, false)) {
+      break;  // nothing would differ
     }
     double radius_px = first_px;
     for (int i = 0; i < 3; ++i, radius_px *= 3.0) {
@@ -163,12 +163,12 @@ bool find_about(const MapInput& input, const ExpectedPose& expected, MapState* s
       if (!done || !agrees(s->localised, input.localise->inliers_min)) {
         continue;
       }
-      const bool fits = believable(expected, start_checks, *s);
+      const bool fits = believable(expected, initialisation_checks, *s);
       if (fits && !is_thin(s->localised, *s)) {
         return true;
       }
-      // Of two that the motion bears out, or that it does not, the one with more inliers. Against
-      // it more by chance are not enough.
+      // Prefer candidates consistent with the predicted motion; among equals, the one with more
+      // inliers. An inconsistent one wins only with more inliers beyond chance.
       const int inliers = s->localised.absolute.inliers;
       const bool better = fits == best_believable ? inliers > best.absolute.inliers
                           : fits                  ? !outnumbers(best.absolute.inliers, inliers)
@@ -185,22 +185,25 @@ bool find_about(const MapInput& input, const ExpectedPose& expected, MapState* s
   return best_believable;
 }
 
-bool find_about_departed(const MapInput& input, const ExpectedPose& expected, MapState* s) {
+bool find_about_inconsistent(const MapInput& input, const ExpectedPose& expected, MapState* s) {
   return find_about(input, expected, s) && !is_thin(s->localised, *s);
 }
 
-bool overrule_motion(const MapInput& input, const ExpectedPose& expected, bool held, MapState* s) {
+bool overrule_motion(const MapInput& input,
+                     const ExpectedPose& expected,
+                     bool by_prior,
+                     MapState* s) {
   const LocalisedFrame& best = s->scratch.other;
   if (best.absolute.inliers < kInliersAlone || is_thin(best, *s) || !tried_prior(expected) ||
       !within_reach(expected, best.absolute, s->moved_rad) ||
-      !outnumbers(best.absolute.inliers, held ? s->localised.absolute.inliers : 0)) {
+      !outnumbers(best.absolute.inliers, by_prior ? s->localised.absolute.inliers : 0)) {
     return false;
   }
   take_matches(localise_input(input, s->map), best, &s->scratch.localise, &s->localised);
   return true;
 }
 
-bool hold_about(const MapInput& input, const ExpectedPose& expected, MapState* s) {
+bool find_with_prior(const MapInput& input, const ExpectedPose& expected, MapState* s) {
   const std::optional<PosePrediction> prior = tried_prior(expected);
   if (!prior) {
     return false;
@@ -221,7 +224,7 @@ bool recognise_frame(const MapInput& input, MapState* s) {
   // As three frames that just have a pose each; foil and shadows make one, which the next denies.
   constexpr int kAgreeingMin = 3 * kAgreeingBlobsMin;
   constexpr int kFramesMin = 2;
-  constexpr std::uint32_t kGapMax = 3;  // frames: after them it has turned too far
+  constexpr std::uint32_t kGapMax = 3;  // frames: after them the body has rotated too far
   const LocaliseInput localise = localise_input(input, s->map);
   RecognisedPose& last = s->before.recognised;
   const bool goes_on = last.frames > 0 && input.frame - last.frame <= kGapMax;
@@ -251,11 +254,12 @@ bool is_ambiguous(const MapInput& input, const std::optional<ExpectedPose>& expe
   const bool rival = done && agrees(other, input.localise->inliers_min) &&
                      rotation_angle_rad(found.pose.R_CT, other.absolute.pose.R_CT) >
                          4.0 * sigma_between(found.covariance, other.absolute.covariance);
-  take_matches(localise, s->localised, &s->scratch.localise, &other);  // for what follows
+  take_matches(
+      localise, s->localised, &s->scratch.localise, &other);  // restores the scratch memory
   return rival;
 }
 
-bool comes_back(const MapState& s) {
+bool is_revisited(const MapState& s) {
   int old = 0;
   int old_inliers = 0;
   for (const LandmarkMatch& match : s.localised.matches) {
@@ -269,11 +273,11 @@ bool comes_back(const MapState& s) {
 }
 
 bool jumps_by_drift(const ExpectedPose& expected, const MapState& s) {
-  return comes_back(s) && within_steps(expected, s.localised.absolute, s.moved_rad);
+  return is_revisited(s) && within_steps(expected, s.localised.absolute, s.moved_rad);
 }
 
-bool plausible(const ExpectedPose& expected, bool start_checks, const MapState& s) {
-  constexpr std::size_t kPosesMin = 3;  // two give a rate without a check
+bool plausible(const ExpectedPose& expected, bool initialisation_checks, const MapState& s) {
+  constexpr std::size_t kPosesMin = 3;  // two poses give a rate without a check
   const PosePrediction& predicted = expected.prediction;
   if (predicted.rotation_poses < kPosesMin) {
     return true;
@@ -282,16 +286,16 @@ bool plausible(const ExpectedPose& expected, bool start_checks, const MapState& 
   const AbsolutePose& found = s.localised.absolute;
   const double step_rad = expected.step_rad;
   const double sigma_rad = sigma_between(predicted.covariance, found.covariance);
-  const double bound_rad = is_young(expected, start_checks)
+  const double bound_rad = is_young(expected, initialisation_checks)
                                ? step_rad * step_rad + 3.0 * sigma_rad + kAllowance_rad
                                : kDepthError * step_rad + 4.0 * sigma_rad;
   return rotation_angle_rad(found.pose.R_CT, predicted.pose.R_CT) < bound_rad + s.moved_rad;
 }
 
-bool believable(const ExpectedPose& expected, bool start_checks, const MapState& s) {
-  return plausible(expected, start_checks, s) ||
+bool believable(const ExpectedPose& expected, bool initialisation_checks, const MapState& s) {
+  return plausible(expected, initialisation_checks, s) ||
          (within_reach(expected, s.localised.absolute, s.moved_rad) &&
-          (comes_back(s) || certain(s.localised)));
+          (is_revisited(s) || certain(s.localised)));
 }
 
 void fuse_with_prior(const PosePrediction& prior, MapState* s) {
@@ -313,9 +317,9 @@ void fuse_with_prior(const PosePrediction& prior, MapState* s) {
       &s->localised);
 }
 
-void doubt_pose(const PosePrediction& predicted, MapState* s) {
+void mark_inconsistent(const PosePrediction& predicted, MapState* s) {
   const Vector6 apart = difference(s->localised.absolute.pose, predicted.pose);
-  s->doubted = apart * apart.transpose();
+  s->inconsistency = apart * apart.transpose();
 }
 
 bool match_features(const MapInput& input,

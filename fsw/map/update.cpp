@@ -10,7 +10,7 @@ MapUpdate take_adjusted(const AdjustmentSnapshot& snapshot, bool usable, bool cl
   const MapCorrection correction = usable ? apply(snapshot, &s->map) : MapCorrection{};
   const bool applied = correction.timestamp_ns != INT64_MAX;
   if (closed && applied) {
-    hold_at_both_ends(&s->drift);
+    fix_both_ends(&s->drift);
   }
   return {.correction = correction, .applied = applied};
 }

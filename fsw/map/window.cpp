@@ -9,8 +9,8 @@
 namespace polhode {
 namespace {
 
-// What has not proved itself pulls less. Measured on nine rendered sequences: at 1 a spinning body
-// is lost to glints, at 3 young maps are held too loosely.
+// Factor on the sigma of observations of unconfirmed landmarks. Measured on nine rendered
+// sequences: at 1 a spinning body is lost to glints, at 3 young maps are constrained too weakly.
 constexpr double kUnconfirmedSigma = 2.4;
 
 using Slots = std::array<std::int32_t, limits::kLandmarks>;
@@ -33,7 +33,8 @@ void collect_landmarks(const Keyframe& keyframe, std::array<bool, limits::kLandm
   }
 }
 
-/// Keyframes by how many of the wanted landmarks they see, most first, newest first among equals.
+/// Keyframes by the number of wanted landmarks that they see, most first, newest first among
+/// equals.
 KeyframeIds by_covisibility(const Map& map,
                             const std::array<bool, limits::kLandmarks>& wanted,
                             const KeyframeIds& except) {
@@ -123,7 +124,7 @@ void add_points(const Map& map,
   }
 }
 
-/// Slots are used anew: is the landmark of the snapshot still the one in its place?
+/// Slots are used again: does the slot still have the landmark of the snapshot?
 bool is_there(const AdjustmentSnapshot& s, std::size_t i, const Map& map) {
   const Landmark& landmark = map.landmarks[s.landmarks[i].index()];
   return landmark.used && landmark.number == s.landmark_numbers[i];
@@ -141,9 +142,9 @@ double median_of(const AdjustmentSnapshot& s, const Map& map, const ValueOf& val
   return median(values.view());
 }
 
-/// From the adjusted map onto the one that it came from, by medians: an adjustment leaves scale and
-/// origin free, and they run away by any factor; so does a landmark that two observations hold,
-/// which would carry a least-squares fit with it.
+/// Similarity from the adjusted map back to the original, by medians. An adjustment leaves scale
+/// and origin free, so they may drift by any factor. A landmark with two observations may, too, and
+/// would bias a least-squares fit.
 Similarity back_by_medians(const AdjustmentSnapshot& s,
                            const Map& map,
                            const Eigen::Matrix3d& R_back) {
@@ -167,9 +168,9 @@ bool is_there(const AdjustmentSnapshot& s, std::size_t k, const Keyframe& keyfra
   return keyframe.used && keyframe.number == s.keyframe_numbers[k];
 }
 
-/// The turn of T after which the keyframes' attitudes are, in the mean, what they were. Landmarks
-/// do not tell it: a young map is sheared along its depth, and what takes the shear away turns them
-/// by half of it, with the images and so the attitudes as before.
+/// The rotation of T that restores the keyframes' attitudes in the mean. Landmarks cannot give it:
+/// removing the shear of a young map along its depth rotates them by half of it, while images and
+/// attitudes stay.
 Eigen::Matrix3d attitudes_back(const AdjustmentSnapshot& s, const Map& map) {
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   for (std::size_t k = 0; k < s.keyframes.size(); ++k) {
@@ -181,7 +182,7 @@ Eigen::Matrix3d attitudes_back(const AdjustmentSnapshot& s, const Map& map) {
   return nearest_rotation(sum);
 }
 
-/// From the adjusted map onto the one that it came from; identity where held keyframes keep the
+/// Similarity from the adjusted map back to the original; identity where fixed keyframes keep the
 /// gauge.
 Similarity back_onto(const AdjustmentSnapshot& s, const Map& map) {
   if (std::count(s.pose_fixed.begin(), s.pose_fixed.end(), std::uint8_t{1}) > 1) {
@@ -210,7 +211,7 @@ Similarity back_onto(const AdjustmentSnapshot& s, const Map& map) {
   return aligned ? aligned.value() : Similarity{};
 }
 
-/// By the newest of the snapshot's keyframes that are still there.
+/// Correction by the newest of the snapshot's keyframes that are still in the map.
 MapCorrection correction_of(const AdjustmentSnapshot& s, const Map& map) {
   MapCorrection correction;
   correction.back = back_onto(s, map);
@@ -229,7 +230,8 @@ MapCorrection correction_of(const AdjustmentSnapshot& s, const Map& map) {
   return correction;
 }
 
-/// Does every keyframe see the body before it, those of the snapshot and those that come along?
+/// Is the body in front of every keyframe's camera, for those of the snapshot and those that move
+/// along?
 bool all_in_front(const AdjustmentSnapshot& s, const MapCorrection& correction, const Map& map) {
   const bool adjusted =
       std::all_of(s.poses.begin(), s.poses.end(), [&](const InverseDepthPose& pose) {

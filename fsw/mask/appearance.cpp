@@ -13,26 +13,26 @@
 namespace polhode {
 namespace {
 
-// Gray levels and roughnesses of an appearance (decision 0008). Chosen; more of them are rarer
-// each, and tell less of a small target.
+// Gray levels and roughnesses of an appearance (decision 0008). Chosen; with more of them each has
+// fewer pixels, too few on a small target.
 constexpr int kLevels = 16;
 constexpr int kRoughnesses = 4;
 constexpr std::size_t kAppearances = kLevels * kRoughnesses;
 using Shares = std::array<double, kAppearances>;
 
-// What an appearance counts that is e times as frequent on the target: as much as the outline. With
+// Unary cost of an appearance that is e times as frequent on the target: that of the outline. With
 // 0.15 and 0.2 overlap is up to 0.01 lower before the Earth (decision 0008).
 constexpr double kCostShare = 0.3;
-// Share of pixels at which an appearance starts to count: a fifth of an even spread over the 64.
+// Least share of pixels of an appearance that counts: a fifth of an even distribution over the 64.
 // Chosen; smaller lets single pixels decide.
 constexpr double kRare = 0.003;
-// No appearance counts more than e^2, 0.6 in all. Chosen: larger outweighs outline and motion.
+// Bound on the logarithm: e^2, a cost of 0.6 in all. Chosen: larger outweighs outline and motion.
 constexpr double kLogMost = 2.0;
 
-/// Number of an appearance. Roughness is the highest less the lowest of 3 x 3 pixels.
+/// Number of an appearance. Roughness is the range of 3 x 3 pixels.
 std::uint8_t appearance_of(std::uint8_t level, std::uint8_t range) {
-  // From even to noise or faint texture, to texture, to an edge, in levels. Chosen, in steps of
-  // about 3: noise of 2 levels has a range of 6 over nine pixels.
+  // Bounds of the roughnesses, in levels: even, noise or faint texture, texture, edge. Chosen, in
+  // steps of about 3: noise of 2 levels has a range of 6 over nine pixels.
   constexpr int kFaint = 8;
   constexpr int kTexture = 24;
   constexpr int kEdge = 64;
@@ -42,16 +42,16 @@ std::uint8_t appearance_of(std::uint8_t level, std::uint8_t range) {
 }
 
 /// Number of each pixel's appearance.
-void find_appearances(const cv::Mat& picture, AppearanceScratch* s) {
+void find_appearances(const cv::Mat& image, AppearanceScratch* s) {
   cv::Mat& range = s->one;
-  cv::dilate(picture, range, cv::Mat());
-  cv::erode(picture, s->other, cv::Mat());
+  cv::dilate(image, range, cv::Mat());
+  cv::erode(image, s->other, cv::Mat());
   cv::subtract(range, s->other, range);
-  s->appearances.create(picture.size(), CV_8UC1);
-  widely([&] {
-    const int columns = picture.cols;  // a copy: written octets might alias the original
-    for (int row = 0; row < picture.rows; ++row) {
-      const auto* level = picture.ptr<std::uint8_t>(row);
+  s->appearances.create(image.size(), CV_8UC1);
+  with_avx2([&] {
+    const int columns = image.cols;  // a copy: written bytes might alias the original
+    for (int row = 0; row < image.rows; ++row) {
+      const auto* level = image.ptr<std::uint8_t>(row);
       const auto* rough = range.ptr<std::uint8_t>(row);
       auto* appearances = s->appearances.ptr<std::uint8_t>(row);
       for (int column = 0; column < columns; ++column) {
@@ -74,8 +74,8 @@ Shares shares_of(const Counts& counts) {
   return shares;
 }
 
-/// Counts appearances outside, in neither, and inside.
-/// @param inside, not_outside  CV_8UC1, 0 and 255; what is inside is not outside.
+/// Counts the appearances of pixels outside of the target, in the band between, and inside.
+/// @param inside, not_outside  CV_8UC1, 0 and 255; `not_outside` is the inside and the band.
 std::array<Counts, 3> count_appearances(const cv::Mat& appearances,
                                         const cv::Mat& inside,
                                         const cv::Mat& not_outside) {
@@ -93,7 +93,7 @@ std::array<Counts, 3> count_appearances(const cv::Mat& appearances,
   return counts;
 }
 
-/// Unary cost of an appearance that is so many times as frequent on the target as beside it.
+/// Unary cost of an appearance. @param ratio  its frequency on the target over that beside it.
 float cost_of_ratio(double ratio) {
   return static_cast<float>(kCostShare * std::clamp(std::log(ratio), -kLogMost, kLogMost));
 }
@@ -115,14 +115,14 @@ cv::Rect box_of_appearances(const cv::Mat& outline) {
 }  // namespace
 
 void add_appearance(const AppearanceInput& input, AppearanceScratch* s, cv::Mat* unary_cost) {
-  const auto& [picture, outline, matches, region, step] = input;
+  const auto& [image, outline, matches, region, step] = input;
   const cv::Rect box = box_of_appearances(outline);
   if (box.empty()) {
     return;
   }
-  find_appearances(picture(box), s);
-  // Left out around the outline: what it is off by outside, half of that inside, where a small
-  // target would have nothing left.
+  find_appearances(image(box), s);
+  // Band left out around the outline: its error outside, half of that inside, where a small target
+  // would have nothing left.
   constexpr int kMarginOut_px = kOutlineOff_px;
   constexpr int kMarginIn_px = kOutlineOff_px / 2;
   cv::erode(outline(box), s->one, cv::Mat(), cv::Point(-1, -1), kMarginIn_px);

@@ -1,4 +1,4 @@
-// Appearance model: gray level and roughness, of the target and of what is beside it.
+// Appearance model: gray level and roughness, of the target and of its surroundings.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -11,18 +11,18 @@ struct AppearanceScratch {
 };
 
 struct AppearanceInput {
-  cv::Mat picture;  ///< CV_8UC1
+  cv::Mat image;    ///< CV_8UC1
   cv::Mat outline;  ///< CV_8UC1, same size
   cv::Mat matches;  ///< CV_8UC1, same size, 255 where the image agrees with the known background
   cv::Rect region;  ///< outside of it nothing is added
   int step = 1;     ///< pixels of the image per pixel of the unary cost, along a side
 };
 
-/// Adds the appearance to a unary cost: the logarithm of how frequent a place's appearance is
-/// within the outline against around it. Against one where the background in that very place is
-/// known to look like this. An even place fits both motions, and only its appearance separates it:
-/// a panel's dark cell before a bright Earth. Adds nothing where inside or outside has under a few
-/// hundred pixels.
+/// Adds the appearance to a unary cost: the log ratio of its frequencies within the outline and
+/// around it. Where the pixel agrees with the known background, the frequency around it is taken as
+/// one. An even place agrees with both motions, so only its appearance separates it, as a panel's
+/// dark cell before a bright Earth. Adds nothing where inside or outside has under a few hundred
+/// pixels.
 /// @param unary_cost CV_32FC1, as cut_at_edges takes it.
 /// @cost eight passes over the outline's box and a third of its width around, where appearances are
 /// compared, and one over the region.

@@ -9,17 +9,17 @@
 namespace polhode {
 namespace {
 
-// Points are tracked to 0.2 px: three sigma of that (99 % in two directions), and 0.4 px for what
-// is not quite plane.
+// Gate of a layer: points are tracked to 0.2 px, so three sigma of that (99 % in two directions),
+// and 0.4 px for surfaces that are not quite plane.
 constexpr double kFit_px = 1.0;
-// A point contradicts the background from here on: half as much again as what fits. Chosen; larger
-// needs faster targets, smaller takes mistracked points for the target.
+// Distance from which a point contradicts the background: half as much again as the gate. Chosen;
+// larger needs faster targets, smaller takes mistracked points for the target.
 constexpr float kContradiction_px = 1.5F;
-constexpr std::size_t kAgeMax = (MaskTrack::kPlaces - 1) / 2;  // twice the age is looked back, too
+constexpr std::size_t kAgeMax = (MaskTrack::kPlaces - 1) / 2;  // twice the age is compared, too
 
 /// Does a group of points surround the middle, as a background does? By 4 x 4 blocks of the image:
 /// it is in at least three of the 12 outer ones and covers as much of them as of the inner ones.
-/// Covering is counted in quarters of a block: points are closer together on the target.
+/// Coverage is counted in quarters of a block, as points are closer together on the target.
 bool surrounds(const std::vector<cv::Point2f>& points, const cv::Size& size) {
   // Chosen; larger misses a background beside a large target, smaller takes a face for one.
   constexpr int kOuterBlocksMin = 3;
@@ -44,7 +44,7 @@ bool surrounds(const std::vector<cv::Point2f>& points, const cv::Size& size) {
   return std::count(block.begin(), block.end(), true) >= kOuterBlocksMin && outer >= inner;
 }
 
-/// Gathers the points that are known over the whole age and are not on known parts of the target.
+/// Collects the points that are known over the whole age and are not on known parts of the target.
 void gather(const cv::Mat& target,
             int step,
             std::size_t age,
@@ -61,7 +61,7 @@ void gather(const cv::Mat& target,
   }
 }
 
-/// Moves the points that agree from those still to be explained to `group`.
+/// Moves the points that agree with a motion from `left` to `group`.
 void take_out_agreeing(BackgroundState* s) {
   std::size_t kept = 0;
   s->group.clear();
@@ -77,7 +77,7 @@ void take_out_agreeing(BackgroundState* s) {
   s->to.resize(kept);
 }
 
-/// Fits one plane motion after the other, each to the points that are left. A group that does not
+/// Fits one plane motion after the other, each to the remaining points. A group that does not
 /// surround the middle is a face of the target and becomes no layer.
 void fit_layers(const cv::Size& size, BackgroundMotion* motion, BackgroundState* s) {
   constexpr int kGroupsMax = static_cast<int>(BackgroundMotion::kLayers) + 1;  // one face of it
@@ -100,9 +100,9 @@ void fit_layers(const cv::Size& size, BackgroundMotion* motion, BackgroundState*
   }
 }
 
-/// Distance of a point from where the nearest of the background's motions brings it.
+/// Distance of a point from its nearest position by the background's motions.
 float contradiction_px(const MaskTrack& track, const BackgroundMotion& motion) {
-  float least = 1E6F;  // over any distance in an image
+  float least = 1E6F;  // beyond any distance in an image
   for (const cv::Matx33d& layer : motion.layers) {
     const cv::Point2f d = track.now() - moved(layer, track.places[motion.age]);
     least = std::min(least, std::hypot(d.x, d.y));
@@ -124,11 +124,11 @@ void classify(const BackgroundState& s, PointsState* points) {
   }
 }
 
-/// Unassigns points of the target that have no other one near, or three times as many of the
-/// background's: those are mistracked.
+/// Unassigns isolated points of the target, and those with three times as many of the background
+/// near: they are mistracked.
 void drop_lonely(PointsState* points) {
-  // 32 px of 640: what counts as near, about the spacing of the image's points. Chosen; larger
-  // keeps mistracked points, smaller drops those of small targets.
+  // Radius of the neighbourhood: 32 px of 640, about the spacing of the image's points. Chosen;
+  // larger keeps mistracked points, smaller drops those of small targets.
   const float reach = static_cast<float>(points->whole().width) / 20.0F;
   constexpr int kTargetMin = 2;        // with itself
   constexpr int kBackgroundTimes = 3;  // as around a right-angled corner of the body
@@ -186,10 +186,10 @@ bool explain_background(
 
 void choose_age(const PointsState& points, BackgroundState* s) {
   constexpr float kLittle_px = kContradiction_px;
-  // Over twice that, so that an age that was raised is not lowered at once. Chosen; larger widens
-  // the uncovered strip behind the target.
+  // Motion above which the age is lowered: over twice that for raising it, so that the age does not
+  // alternate. Chosen; larger widens the uncovered strip behind the target.
   constexpr float kMuch_px = 4.0F;
-  // Chosen: the median of fewer points is one of them.
+  // Least points. Chosen: the median of fewer is one of them.
   constexpr std::size_t kTracksMin = 4;
   const auto* const motion =
       std::find_if(s->motions.begin(), s->motions.end(), [](const BackgroundMotion& m) {

@@ -1,7 +1,6 @@
-// Which points move with the background, and which do not.
-//
+// Classifies points by the motion of the background.
 // Up to three plane motions (homographies) explain the points around the middle of the image: a
-// static room none, stars a rotation, the Earth a plane. A group of points that contradicts all of
+// room at rest, rotating stars, the Earth as a plane. A group of points that contradicts all of
 // them is on the target.
 #pragma once
 
@@ -23,9 +22,9 @@ struct BackgroundMotion {
   FixedVector<cv::Matx33d, kLayers> layers;
 };
 
-/// What is kept from image to image.
+/// The state of the background's classification.
 struct BackgroundState {
-  /// Images over which motion is compared: enough for target and background to differ by 1.5 px.
+  /// images over which motion is compared: enough for target and background to differ by 1.5 px
   std::size_t age = 1;
   std::array<BackgroundMotion, 2> motions;  ///< over `age` and over twice that
   std::size_t target_tracks = 0;
@@ -36,8 +35,8 @@ struct BackgroundState {
   std::vector<float> contradictions_px;
 };
 
-/// Over which of the two ages motions are fitted. While it is known where the target is, one of
-/// them separates the points as well as both.
+/// Ages over which motions are fitted. While the target's place is known, one of them separates the
+/// points as well as both.
 enum class FittedAges : std::uint8_t { kBoth, kShorter, kLonger };
 
 /// Fits the background's motions and classifies the points. @param target known parts of the target
@@ -48,8 +47,9 @@ enum class FittedAges : std::uint8_t { kBoth, kShorter, kLonger };
 bool explain_background(
     const cv::Mat& target, int step, FittedAges ages, PointsState* points, BackgroundState* state);
 
-/// Chooses the age for the next image, by the shortest age that has motions. Little motion of the
-/// target against the background: more images. Much motion: fewer, as its appearance changes less.
+/// Chooses the age for the next image, by the shortest age that has motions. The age grows when the
+/// target moves little against the background, and falls when it moves much, as its appearance then
+/// changes less.
 void choose_age(const PointsState& points, BackgroundState* state);
 
 void clear(BackgroundState* state);

@@ -13,8 +13,8 @@ namespace {
 
 // Votes of a known place. With 8, overlaps are within 0.006 (decision 0014).
 constexpr int kVotesKnown = 4;
-// Most votes: 13 images in a row that differ make a long known place unknown. Chosen; larger learns
-// changes of the room later, smaller takes a passing shadow for it.
+// Most votes: 13 images in a row that differ make a long known place unknown. Chosen; larger adapts
+// to changes of the room later, smaller takes a passing shadow for one.
 constexpr int kVotesMost = 16;
 
 int tolerance_of(double noise) {
@@ -25,7 +25,7 @@ int tolerance_of(double noise) {
 }  // namespace
 
 bool stands_still(const BackgroundState& background, const cv::Size& size) {
-  constexpr double kStill_px = 0.5;  // pixels stay the same ones (decision 0014)
+  constexpr double kStill_px = 0.5;  // so that pixels stay the same ones (decision 0014)
   const auto right = static_cast<float>(size.width);
   const auto bottom = static_cast<float>(size.height);
   const std::array<cv::Point2f, 4> corners{
@@ -42,25 +42,25 @@ bool stands_still(const BackgroundState& background, const cv::Size& size) {
   return false;
 }
 
-void learn_background(const cv::Mat& picture,
+void learn_background(const cv::Mat& image,
                       const cv::Mat& outline,
                       double noise,
                       BackgroundModel* model) {
-  if (model->level.size() != picture.size()) {
-    picture.copyTo(model->level);
-    model->votes.create(picture.size(), CV_8UC1);
+  if (model->level.size() != image.size()) {
+    image.copyTo(model->level);
+    model->votes.create(image.size(), CV_8UC1);
     model->votes.setTo(0);
   }
   constexpr int kSide = 2 * kOutlineOff_px + 1;  // that far on both sides of a pixel
   cv::Mat& closed_places = model->matches;
   cv::dilate(outline, closed_places, cv::Mat::ones(kSide, kSide, CV_8UC1));
   const int tolerance = tolerance_of(noise);
-  for (int row = 0; row < picture.rows; ++row) {
-    const auto* now = picture.ptr<std::uint8_t>(row);
+  for (int row = 0; row < image.rows; ++row) {
+    const auto* now = image.ptr<std::uint8_t>(row);
     const auto* closed = closed_places.ptr<std::uint8_t>(row);
     auto* level = model->level.ptr<std::uint8_t>(row);
     auto* votes = model->votes.ptr<std::uint8_t>(row);
-    for (int column = 0; column < picture.cols; ++column) {
+    for (int column = 0; column < image.cols; ++column) {
       if (closed[column] != 0) {
         continue;
       }
@@ -79,19 +79,19 @@ void learn_background(const cv::Mat& picture,
   }
 }
 
-void match_background(const cv::Mat& picture, double noise, BackgroundModel* model) {
-  model->matches.create(picture.size(), CV_8UC1);
+void match_background(const cv::Mat& image, double noise, BackgroundModel* model) {
+  model->matches.create(image.size(), CV_8UC1);
   model->matches.setTo(0);
-  if (model->level.size() != picture.size()) {
+  if (model->level.size() != image.size()) {
     return;
   }
   const int tolerance = tolerance_of(noise);
-  for (int row = 0; row < picture.rows; ++row) {
-    const auto* now = picture.ptr<std::uint8_t>(row);
+  for (int row = 0; row < image.rows; ++row) {
+    const auto* now = image.ptr<std::uint8_t>(row);
     const auto* level = model->level.ptr<std::uint8_t>(row);
     const auto* votes = model->votes.ptr<std::uint8_t>(row);
     auto* match = model->matches.ptr<std::uint8_t>(row);
-    for (int column = 0; column < picture.cols; ++column) {
+    for (int column = 0; column < image.cols; ++column) {
       const bool same = std::abs(now[column] - level[column]) <= tolerance;
       match[column] = votes[column] >= kVotesKnown && same ? 255 : 0;
     }

@@ -1,7 +1,6 @@
 // Gray level of the background in each place, where the camera stands still.
-//
-// A running median over time that leaves the target out. A median over all images is the target
-// where that covers a place for half of the time (decision 0014).
+// A running median over time without the target. A median over all images would be the target's
+// level where it covers a place for half of the time (decision 0014).
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -17,20 +16,20 @@ struct BackgroundModel {
                     ///< background in that very place
 };
 
-/// Does one of the background's motions leave the image where it was?
+/// Does one of the background's motions leave the image in place?
 bool stands_still(const BackgroundState& background, const cv::Size& size);
 
-/// Learns what lies outside of the target's outline by more than outlines are off. Overwrites
-/// `matches`.
+/// Updates the background model outside of the target's outline, beyond the outline's error.
+/// Overwrites `matches`.
 /// @param noise one sigma of a pixel, levels.
 /// @cost one dilation and one pass over the image.
-void learn_background(const cv::Mat& picture,
+void learn_background(const cv::Mat& image,
                       const cv::Mat& outline,
                       double noise,
                       BackgroundModel* model);
 
-/// Fills `matches`: nothing, while nothing is known.
-void match_background(const cv::Mat& picture, double noise, BackgroundModel* model);
+/// Fills `matches`; leaves it zero while the model is empty.
+void match_background(const cv::Mat& image, double noise, BackgroundModel* model);
 
 void clear(BackgroundModel* model);
 

@@ -6,16 +6,19 @@
 namespace polhode {
 namespace {
 
-// Part of the image border. The Earth behind half of the image lights half of it. Photographs of a
-// body on a stand light up to 0.36: separating motions there would lose much of the body.
+// Least lit part of the image border. The Earth behind half of the image lights half of it.
+// Photographs of a body on a stand light up to 0.36: separating motions there would lose much of
+// the body.
 constexpr double kBorderLitMin = 0.4;
-// The Earth behind a fifth of the image or less lights a corner, which bodies and stands hardly
-// reach. Chosen; larger misses the Earth's edge, smaller takes a stand for a background.
+// Least lit part of a corner. The Earth behind a fifth of the image or less lights a corner, which
+// bodies and stands hardly reach. Chosen; larger misses the Earth's edge, smaller takes a stand for
+// a background.
 constexpr double kCornerLitMin = 0.15;
-// Where something was behind the target, so little keeps it: a limb may come and go.
+// Least lit part of the border when something was behind the target in the last image: a limb may
+// come and go.
 constexpr double kBorderLitLeft = 0.05;
 
-/// Part of the outermost pixels that `counts` is true for.
+/// Part of the outermost pixels for which `counts` is true.
 template <typename Counts>
 double part_of_border(const cv::Size& size, const Counts& counts) {
   int found = 0;
@@ -33,11 +36,10 @@ double lit_part_of_border(const cv::Mat& cells) {
       cells.size(), [&](int column, int row) { return cells.at<std::uint8_t>(row, column) != 0; });
 }
 
-/// Is what is lit in a corner something else than the target? What the target stands on is one
-/// piece with it.
+/// Is the lit piece in a corner another one than the target? A stand is one piece with the target.
 bool is_apart(const cv::Mat& stats, int corner_label) {
-  // Part of what is lit that a target beside it has at least. Chosen; larger misses small targets
-  // beside the Earth, smaller takes specks for one.
+  // Least part of the lit pixels that a target beside the piece has. Chosen; larger misses small
+  // targets beside the Earth, smaller takes specks for one.
   constexpr double kTargetMin = 0.02;
   int all = 0;
   int largest = 0;

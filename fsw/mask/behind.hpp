@@ -7,11 +7,11 @@
 
 namespace polhode {
 
-/// Is some of the image border lit? Where not, is_behind is false for any body.
+/// Is some of the image border lit? Otherwise is_behind() is false for any body.
 /// @param cells CV_8UC1, not 0 where the image is lit.
 bool border_is_lit(const cv::Mat& cells);
 
-/// Is so much of the image border lit that something is behind the target, unless a known body
+/// Is enough of the image border lit for something to be behind the target, unless a known body
 /// reaches it?
 /// @param cells as above
 bool border_is_full(const cv::Mat& cells);
@@ -20,7 +20,7 @@ bool border_is_full(const cv::Mat& cells);
 /// from the target.
 /// @param cells CV_8UC1, not 0 where the image is lit.
 /// @param body cells that a known body reaches: they do not count. May be empty.
-/// @param was_behind it was in the image before: then little is enough.
+/// @param was_behind the result for the image before: then less of the border is enough.
 bool is_behind(const cv::Mat& cells,
                const cv::Rect& body,
                bool was_behind,

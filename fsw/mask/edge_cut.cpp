@@ -14,18 +14,18 @@
 namespace polhode {
 namespace {
 
-// Coarse whole numbers: paths of the flow fill up together, in 0.45 of the time that real numbers
-// take (decision 0011).
+// Costs as coarse whole numbers: augmenting paths saturate together, in 0.45 of the time of real
+// numbers (decision 0011).
 using Graph = cv::detail::GCGraph<int>;
 
 // Cost of a boundary along a pixel's side in an even place (decision 0007): far over a unary cost.
 constexpr double kEvenCost = 6.0;
 // Whole numbers per unit of cost. Chosen; larger rounds less and takes longer.
 constexpr double kScale = 2.0;
-// Of a seed: over all that a cell's four sides and its unary cost can add up to.
+// Cost of a seed: above the sum of a cell's four boundaries and its unary cost.
 constexpr int kHardCost = 1000;
 
-/// What is cut, by cells; all but unary costs of one size.
+/// Input of a cut, by cells; all but the unary costs have one size.
 struct Cells {
   int side_px;       ///< of the image's pixels
   int per_unary;     ///< cells per cell of `unary` and `seeds`, along a side
@@ -47,11 +47,11 @@ cv::Mat largest(const cv::Mat& pixels, int cell_px) {
   return cells;
 }
 
-/// A cell's step is the largest in it: the cut by pixels finds the place in the cell. In halved
+/// A cell's step is the largest in it, as the cut by pixels finds the place in the cell. In halved
 /// images edges between two cells are half as high, and outlines in rooms overlap by 0.01 less
 /// (decision 0011).
 /// @param outline of the edges' box, as far as whole cells fill it.
-Cells to_cells(const PictureEdges& edges,
+Cells to_cells(const ImageEdges& edges,
                const UnaryCost& unary_cost,
                const cv::Mat& outline,
                int cell_px) {
@@ -73,8 +73,8 @@ Cells to_cells(const PictureEdges& edges,
   return cells;
 }
 
-/// Cost of calling a cell background; negative: of calling it target. At the border of the box,
-/// what is outside of the outline is background.
+/// Cost of calling a cell background; negative: of calling it target. At the border of the box the
+/// neighbours outside keep the outline's class.
 int unary_at(const Cells& cells, cv::Point at) {
   const cv::Point in_unary = at / cells.per_unary;
   if (!cells.seeds.empty() && cells.seeds.at<std::uint8_t>(in_unary) != 0) {
@@ -94,7 +94,7 @@ void add_unary(int node, int cost, Graph* graph) {
   graph->addTermWeights(node, std::max(cost, 0), std::max(-cost, 0));
 }
 
-/// Cells near the outline, where it may be moved to.
+/// Cells near the outline, in which it may be moved.
 struct Band {
   std::vector<cv::Point>
       cells;      ///< row by row; their place in this list is their node in the graph
@@ -119,8 +119,8 @@ Band band_about(const cv::Mat& outline, int reach) {
   return band;
 }
 
-/// Cost of a boundary between neighbours by the step between them: the larger the step, the less.
-/// One of the mean square costs 1/e of an even place.
+/// Cost of a boundary between neighbours: it falls with the step between them. A step of the mean
+/// square costs 1/e of an even place.
 std::array<int, 256> smoothness_costs(double mean_square_step) {
   std::array<int, 256> costs{};
   for (std::size_t step = 0; step < costs.size(); ++step) {
@@ -130,7 +130,7 @@ std::array<int, 256> smoothness_costs(double mean_square_step) {
   return costs;
 }
 
-/// Adds the edges between neighbours. What lies beyond the band stays as it is: a boundary to it is
+/// Adds the edges between neighbours. Cells beyond the band keep their class: a boundary to one is
 /// a unary cost of the cell beside it.
 /// @return false: there is none.
 bool add_smoothness(const Cells& cells, const Band& band, double mean_square_step, Graph* graph) {
@@ -168,8 +168,8 @@ bool add_smoothness(const Cells& cells, const Band& band, double mean_square_ste
   return any;
 }
 
-/// @return false where nothing may be moved: OpenCV takes no graph without edges. Steps in a
-/// pattern of single pixels cost nothing to cut, all of them.
+/// @return false where no cell may change: OpenCV takes no graph without edges. In a pattern of
+/// single pixels all steps may be free to cut.
 bool graph_cut(int reach, double mean_square_step, Cells* cells) {
   const Band band = band_about(cells->outline, reach);
   const std::size_t count = band.cells.size();
@@ -190,13 +190,13 @@ bool graph_cut(int reach, double mean_square_step, Cells* cells) {
 
 }  // namespace
 
-void measure_edges(const cv::Mat& picture, const cv::Rect& box, PictureEdges* edges) {
+void measure_edges(const cv::Mat& image, const cv::Rect& box, ImageEdges* edges) {
   constexpr int kCell_px = 2;  // the larger of the two sizes that cut_at_edges takes
-  const cv::Rect whole(cv::Point(), picture.size());
+  const cv::Rect whole(cv::Point(), image.size());
   const cv::Rect cells = coarser(box, kCell_px);
   edges->box = cv::Rect(cells.tl() * kCell_px, cells.size() * kCell_px) & whole;
-  const cv::Mat part = picture(edges->box);
-  double squares = 1.0;  // only so that an even image divides by no zero
+  const cv::Mat part = image(edges->box);
+  double squares = 1.0;  // so that an even image divides by no zero
   const auto along = [&](const cv::Point& shift, cv::Mat* steps) {
     steps->create(part.size(), CV_8UC1);
     steps->setTo(0);
@@ -209,7 +209,7 @@ void measure_edges(const cv::Mat& picture, const cv::Rect& box, PictureEdges* ed
   edges->mean_square_step = squares / std::max(1.0, static_cast<double>(part.total()));
 }
 
-void cut_at_edges(const PictureEdges& edges,
+void cut_at_edges(const ImageEdges& edges,
                   const UnaryCost& unary_cost,
                   const CutReach& reach,
                   cv::Mat* outline) {

@@ -19,17 +19,17 @@ namespace {
 // larger keeps the mask closed for longer, smaller opens it after a few badly tracked images.
 constexpr int kUnexplainedMax = 5;
 
-// With a map, log-odds are kept by cells of so many working pixels: their window is wider than
-// that, and outlines are moved to edges afterwards. Not before a map: its first outlines in a room
-// overlapped by 0.5 instead of 0.8 (decision 0010).
+// Working pixels of a cell of the log-odds with a map: their window is wider than that, and
+// outlines are moved to edges afterwards. Not before a map: its first outlines in a room overlapped
+// by 0.5 instead of 0.8 (decision 0010).
 constexpr int kCoarseStep = 2;
 
-/// Half the spacing of a body's texture: 4 px of 640. Chosen; larger closes over the background
-/// between parts, smaller leaves panels as grids.
+/// Radius of the closing: half the spacing of a body's texture, 4 px of 640. Chosen; larger closes
+/// over the background between parts, smaller leaves panels as grids.
 int closing_radius(const MaskState& s) { return std::max(2, s.points.whole().width / 160); }
 
-/// What gaps are closed with. With a map a square, which is separable. Before one a disc: a map's
-/// first poses are as good as its first outlines.
+/// Structuring element of the closing. With a map a square, which is separable. Before one a disc,
+/// as a map's first poses depend on its first outlines.
 cv::Mat closing(const MaskState& s, int radius) {
   const int side = 2 * radius + 1;
   return has_map(s) ? cv::Mat::ones(side, side, CV_8UC1)
@@ -43,7 +43,7 @@ cv::Rect with_seeds(const cv::Rect& box, const MaskState& s) {
   return s.map.seeds.empty() ? box : (box | seeds) & s.points.whole();
 }
 
-/// Fills `enclosed` with what the log-odds enclose when gaps are closed.
+/// Fills `enclosed` with the cells that the log-odds enclose when gaps are closed.
 /// @return the working pixels that it covers: none where nothing is enclosed.
 cv::Rect enclose(int gap_radius_px, MaskState* s) {
   const int step = s->foreground.step;
@@ -69,9 +69,9 @@ void find_piece(MaskState* s) {
   s->found = cv::countNonZero(s->scratch.enclosed) > 0;
 }
 
-/// Adds what the log-odds enclose when gaps twice as wide are closed (decision 0007), except where
-/// the background is seen. A panel as gray as the ocean behind it shows by its grid alone. Not
-/// bounded by the landmarks' reach: a face that comes into view has none yet.
+/// Adds the cells that the log-odds enclose when gaps twice as wide are closed (decision 0007),
+/// except where the background is seen. A panel as gray as the ocean behind it shows by its grid
+/// alone. The landmarks' reach is no bound, as a face that comes into view has no landmarks yet.
 void widen_outline(MaskState* s) {
   const cv::Rect box = enclose(2 * closing_radius(*s), s);
   MaskScratch& scratch = s->scratch;
@@ -83,22 +83,21 @@ void widen_outline(MaskState* s) {
   cv::bitwise_or(outline, scratch.added(box), outline);
 }
 
-/// How far the first cut may move an outline, in working pixels: 1/32 of the width, and no less
-/// than outlines are off. With 1/48 overlaps are 0.007 lower in a room, and no time is saved
-/// (decision 0011).
+/// Reach of the first cut, in working pixels: 1/32 of the width, and at least the outline's error.
+/// With 1/48 overlaps are 0.007 lower in a room, and no time is saved (decision 0011).
 int far_reach_px(const MaskState& s) { return std::max(kOutlineOff_px, s.outline.cols / 32); }
-// The second cut goes by pixels: half a cell is what the first one leaves.
+// Reach of the second cut, by pixels: half a cell of the first one.
 constexpr int kNearReach_px = kCoarseStep / 2;
 
-/// Where the cuts need a unary cost: as far as both reach, and the neighbours of those pixels.
+/// Box of the unary cost: the reach of both cuts, and the neighbours of those pixels.
 cv::Rect box_of_cuts(const MaskState& s) {
   const cv::Rect box = with_seeds(cv::boundingRect(s.outline), s);
   return grown(box, far_reach_px(s) + kNearReach_px + 1) & s.points.whole();
 }
 
-/// Where edges are measured, and their mean square. Before a map an eighth of the outline's size
-/// around it. Measured over box_of_cuts, one of seven maps before a limb began an image later; with
-/// one seed of five it was three times as far off.
+/// Box of the edges and of their mean square. Before a map an eighth of the outline's size around
+/// it. Measured over box_of_cuts, one of seven maps before a limb began an image later; with one
+/// seed of five it was three times as far off.
 cv::Rect box_of_edges(const MaskState& s) {
   if (has_map(s)) {
     return box_of_cuts(s);
@@ -108,23 +107,23 @@ cv::Rect box_of_edges(const MaskState& s) {
          s.points.whole();
 }
 
-/// The unary cost of each cell that the box holds: positive for the target. By the log-odds, the
-/// outline and, with a map, the nearness to landmarks. All are weak against an even place's 6
-/// (edge_cut.hpp): what a moving target uncovers contradicts the background as much as the target
-/// does. Motion is off by that strip, and only image edges are where the target ends.
+/// The unary cost of each cell within the box: positive for the target. By the log-odds, the
+/// outline and, with a map, the nearness to landmarks. All are weak against the boundary cost of an
+/// even place, 6 (edge_cut.hpp): a strip of background that the target has just uncovered
+/// contradicts the background's model as the target does, so only image edges give the outline.
 void form_unary_cost(const cv::Rect& box, MaskState* s) {
-  // Record 0007. With 0.35 the outline keeps the uncovered strip: overlap 0.88 instead of 0.93.
+  // Decision 0007. With 0.35 the outline keeps the uncovered strip: overlap 0.88 instead of 0.93.
   constexpr float kLogOddsShare = 0.15F;
   // Places that look like the background agree by chance. With -2, landmarks on the background rose
   // from 3 of 1411 to 12 of 1363 before the Earth (decision 0007).
   constexpr float kLogOddsMin = -0.5F;
-  // Five times kTargetLogOdds. Chosen: larger lets motion alone hold the outline.
+  // Five times kTargetLogOdds. Chosen: larger lets motion alone fix the outline.
   constexpr float kLogOddsMax = 1.5F;
   // With 0.2 overlaps are within 0.02; 0.4 keeps the uncovered strip (decision 0007).
   constexpr float kOutlineShare = 0.3F;
   // At a landmark. Chosen (decision 0007): under the outline's, as some landmarks are wrong.
   constexpr float kMapShare = 0.25F;
-  // Distance at which a landmark counts nothing, in the body's radius, and its least in px. Chosen:
+  // Distance at which a landmark has no effect, in the body's radius, and its least in px. Chosen:
   // larger draws the outline beyond the silhouette, smaller leaves gaps between landmarks.
   constexpr double kNearPart = 0.1;
   constexpr double kNearDistanceMin_px = 3.0;
@@ -135,7 +134,7 @@ void form_unary_cost(const cv::Rect& box, MaskState* s) {
   unary_cost.create(s->foreground.log_odds.size(), CV_32FC1);
   cover_by_half(s->outline, unary_cost.size(), &outline_cells);
   const cv::Rect part = coarser(box, s->foreground.step);
-  widely([&] {
+  with_avx2([&] {
     for (int row = part.y; row < part.br().y; ++row) {
       const auto* log_odds = s->foreground.log_odds.ptr<float>(row);
       const auto* outline = outline_cells.ptr<std::uint8_t>(row);
@@ -155,9 +154,10 @@ void form_unary_cost(const cv::Rect& box, MaskState* s) {
   });
 }
 
-/// Where images are compared: around the target where it is known, and now and then everywhere.
+/// Region of the comparison: around the target where it is known, and now and then the whole image.
 cv::Rect region_of_interest(const MaskState& s) {
-  // Each so many images everywhere (decision 0013): rarer saves time and finds missing parts later.
+  // Images from one comparison of the whole image to the next (decision 0013): more saves time and
+  // finds missing parts later.
   constexpr std::size_t kEverywhereWithMap = 32;
   constexpr std::size_t kEverywhereBefore = 8;
   // Least margin before a map. Chosen: larger costs time, smaller misses parts of a small target.
@@ -178,11 +178,11 @@ cv::Rect region_of_interest(const MaskState& s) {
 
 /// Stores an image and compares it with the ones before. @return whether a background's motion was
 /// found.
-bool compare_pictures(const cv::Mat& gray,
-                      const cv::Mat& reduced,
-                      const MaskPrior& prior,
-                      MaskState* s) {
-  const bool first = add_picture(gray, reduced, &s->points);
+bool compare_images(const cv::Mat& gray,
+                    const cv::Mat& reduced,
+                    const MaskPrior& prior,
+                    MaskState* s) {
+  const bool first = add_image(gray, reduced, &s->points);
   if (first) {
     clear(&s->background);
     clear(&s->foreground);
@@ -208,8 +208,8 @@ bool compare_pictures(const cv::Mat& gray,
   return explained;
 }
 
-/// Learns what is beside the target where the camera stands still. Only each time that the target
-/// has moved on: a part of it that the outline lacks is not learned then.
+/// Updates the background model where the camera stands still. Only once per interval in which the
+/// target has moved: a part of it that the outline misses is then not taken for background.
 void remember_background(bool explained, MaskState* s) {
   if (!explained) {
     return;
@@ -218,7 +218,7 @@ void remember_background(bool explained, MaskState* s) {
     clear(&s->background_model);
   } else if (s->found && s->background.target_tracks >= kTracksEnough &&
              s->compared % s->background.age == 0) {
-    learn_background(s->points.picture(0), s->outline, s->foreground.noise, &s->background_model);
+    learn_background(s->points.image(0), s->outline, s->foreground.noise, &s->background_model);
   }
 }
 
@@ -231,7 +231,7 @@ void refill(MaskState* s) {
                 &s->points);
 }
 
-/// Fills `cells`: the mask's cells that are open by half.
+/// Fills `cells`: the mask's cells of which half is open.
 void to_mask_cells(const cv::Size& size, MaskState* s) {
   MaskScratch& scratch = s->scratch;
   scratch.added.create(s->points.whole().size(), CV_8UC1);
@@ -245,7 +245,8 @@ void open_lit_cells(MaskState* s, TargetMask* mask) {
   MaskScratch& scratch = s->scratch;
   cv::compare(s->foreground.log_odds, static_cast<double>(kAgreement), scratch.open, cv::CMP_GE);
   if (!s->map.seeds.empty()) {
-    // Between the landmarks of a body at rest before a background at rest everything agrees.
+    // On a body at rest before a background at rest all pixels agree with the background: cells
+    // between its landmarks are opened by distance alone.
     cv::compare(s->map.distance, near_px(*s), scratch.cells, cv::CMP_LE);
     cv::bitwise_or(scratch.open, scratch.cells, scratch.open);
   }
@@ -258,10 +259,10 @@ void open_lit_cells(MaskState* s, TargetMask* mask) {
   measure_cells(mask->region_px, mask);
 }
 
-/// Before a lit background: does the outline cover so much of the picture's border that it has
-/// taken the background in?
+/// Before a lit background: does the outline cover so much of the image's border that it includes
+/// background?
 bool covers_border(const MaskState& s) {
-  // Chosen: two fifths of a side. A body that enters the picture covers less.
+  // Chosen: two fifths of a side. A body that enters the image covers less.
   constexpr double kShareMax = 0.1;
   if (!s.behind || !s.found || s.outline.empty()) {
     return false;
@@ -288,8 +289,8 @@ void follow_target(const cv::Mat& gray,
     clear(s);
     return;
   }
-  const bool explained = compare_pictures(gray, mask->levels, prior, s);
-  // Bounded; over kUnexplainedMax all counts do the same.
+  const bool explained = compare_images(gray, mask->levels, prior, s);
+  // Bounded, as all counts over kUnexplainedMax have the same effect.
   s->unexplained = explained ? 0 : std::min(s->unexplained + 1, 2 * kUnexplainedMax);
   find_piece(s);
   remember_background(explained, s);
@@ -305,13 +306,12 @@ bool is_open(const MaskState& s) {
 }
 
 bool may_be_background(const MaskState& s) {
-  // An image whose background has no motion tells nothing: the outline is the last one's, carried
-  // along with whatever it holds.
+  // Without motion of the background an image does not separate it from the target: the outline is
+  // then the last one, background included.
   if (covers_border(s) || (s.behind && s.found && s.unexplained > 0)) {
     return true;
   }
-  // Fewer than a layer of a background needs are a boom's that crosses the border, or a
-  // background's that has nothing to follow.
+  // Least points at the border, as in a background's layer: fewer may be of a boom that crosses it.
   constexpr auto kAtBorderMin = static_cast<std::ptrdiff_t>(BackgroundMotion::kLayerTracksMin);
   const cv::Rect whole = s.points.whole();
   const cv::Rect inside(
@@ -328,18 +328,18 @@ void sharpen_outline(MaskState* s) {
   }
   widen_outline(s);
   const bool mapped = has_map(*s);
-  const cv::Mat& picture = s->points.picture(0);
+  const cv::Mat& image = s->points.image(0);
   const cv::Rect box = box_of_cuts(*s);
   form_unary_cost(box, s);
   MaskScratch& scratch = s->scratch;
   cv::Mat& unary_cost = scratch.cell_values;
   const int step = s->foreground.step;
   if (mapped) {
-    match_background(picture, s->foreground.noise, &s->background_model);
+    match_background(image, s->foreground.noise, &s->background_model);
     const cv::Mat& matches = s->background_model.matches;
-    add_appearance({picture, s->outline, matches, box, step}, &scratch.appearance, &unary_cost);
+    add_appearance({image, s->outline, matches, box, step}, &scratch.appearance, &unary_cost);
   }
-  measure_edges(picture, box_of_edges(*s), &scratch.edges);
+  measure_edges(image, box_of_edges(*s), &scratch.edges);
   s->outline.copyTo(scratch.added);
   const int far_px = far_reach_px(*s);
   const UnaryCost cost{.value = unary_cost, .seeds = s->map.seeds, .cell_px = step};
@@ -347,12 +347,12 @@ void sharpen_outline(MaskState* s) {
     cut_at_edges(scratch.edges, cost, {.px = far_px, .cell_px = step}, &s->outline);
     cut_at_edges(scratch.edges, cost, {.px = kNearReach_px}, &s->outline);
   } else {
-    // No appearance here: outlines lack a face or hold a shadow, and it would add to that (record
-    // 0008). Cut by cells, maps before a limb begin later.
+    // No appearance here: before a map outlines lack a face or include a shadow, and it would add
+    // to that (decision 0008). Cut by cells, maps before a limb begin later.
     cut_at_edges(scratch.edges, cost, {.px = far_px}, &s->outline);
   }
   if (cv::boundingRect(s->outline).area() < kTargetAreaMin) {
-    // A small body whose edges are no steeper than those behind it: the empty outline is cheapest.
+    // A small body with no steeper edges than its background: the empty outline would be cheapest.
     cv::swap(s->outline, scratch.added);
     return;
   }
@@ -377,7 +377,7 @@ void open_outline(const cv::Size& image_px, MaskState* s, TargetMask* mask) {
 }
 
 void clear(MaskState* s) {
-  clear(&s->points);  // the next image is the first again, which clears what was compared
+  clear(&s->points);  // the next image is the first again, which clears the comparison
   s->behind = false;
   s->found = false;
   s->sharp = false;
@@ -389,7 +389,7 @@ bool rules_out(const MaskState& s, float u_px, float v_px) {
     return false;
   }
   const cv::Point at = working_pixel({u_px, v_px}, s);
-  constexpr int kSide = 2 * kOutlineOff_px + 1;  // that far on both sides of the pixel
+  constexpr int kSide = 2 * kOutlineOff_px + 1;  // the outline's error on both sides of the pixel
   const cv::Rect around =
       cv::Rect(at.x - kOutlineOff_px, at.y - kOutlineOff_px, kSide, kSide) & s.points.whole();
   return cv::countNonZero(s.outline(around)) == 0;

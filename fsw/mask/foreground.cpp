@@ -12,29 +12,29 @@
 namespace polhode {
 namespace {
 
-// Cells of the grid on which the target's motion is known. A multiple of every step of log-odds.
-// Chosen: about the points' spacing on a target of 100 px; larger blurs the motion of faces.
+// Size of a cell of the grid of the target's motion. A multiple of every step of log-odds. Chosen:
+// about the points' spacing on a target of 100 px; larger blurs the motion of faces.
 constexpr int kCell_px = 8;
 // Side of the window over which differences are summed. With 3, overlap rises by 0.01 and attitudes
 // before the Earth get 6 % worse (decision 0006).
 constexpr int kDifferenceWindow_px = 5;
-// A place that disagrees by more counts as this. Chosen: one pixel at the limit counts 8 / 25 in
-// its window, as much as kTargetLogOdds; larger lets single pixels decide.
+// Bound on a pixel's disagreement, in sigmas. Chosen: one pixel at the limit counts 8 / 25 in its
+// window, as much as kTargetLogOdds; larger lets single pixels decide.
 constexpr double kCapSigma = 8;
-// Levels; the most that keeps differences in an octet, see below.
+// Bound in levels: the largest for which differences fit a byte, see below.
 constexpr double kNoiseMost = 8;
-// Differences are stored in octets with 0 in their middle.
+// Offset of the differences, which are stored in bytes.
 constexpr int kNoDifference = 128;
 static_assert(kCapSigma * kNoiseMost < kNoDifference);
 
 /// Level of an image between its pixels, bilinear. The place is inside.
-double level_at(const cv::Mat& picture, double u_px, double v_px) {
+double level_at(const cv::Mat& image, double u_px, double v_px) {
   const int column = static_cast<int>(u_px);
   const int row = static_cast<int>(v_px);
   const double right = u_px - column;
   const double down = v_px - row;
-  const auto* above = picture.ptr<std::uint8_t>(row) + column;
-  const auto* below = picture.ptr<std::uint8_t>(row + 1) + column;
+  const auto* above = image.ptr<std::uint8_t>(row) + column;
+  const auto* below = image.ptr<std::uint8_t>(row + 1) + column;
   return (1.0 - down) * ((1.0 - right) * above[0] + right * above[1]) +
          down * ((1.0 - right) * below[0] + right * below[1]);
 }
@@ -77,10 +77,10 @@ double measure_noise(const cv::Mat& now,
   return std::clamp(static_cast<double>(level) * 1.4826 / std::sqrt(2.0), kNoiseLeast, kNoiseMost);
 }
 
-/// Spreads the motion of the target's points over `age` images to the grid's cells between and
+/// Interpolates the motion of the target's points over `age` images to the grid's cells between and
 /// around them.
 void spread_motion(const PointsState& points, std::size_t age, TargetFlow* s) {
-  const cv::Size size = points.picture(0).size();
+  const cv::Size size = points.image(0).size();
   const cv::Size grid((size.width + kCell_px - 1) / kCell_px,
                       (size.height + kCell_px - 1) / kCell_px);
   s->flow.create(grid, CV_32FC2);
@@ -99,9 +99,9 @@ void spread_motion(const PointsState& points, std::size_t age, TargetFlow* s) {
   // larger mixes the motions of faces.
   constexpr double kNear = 1.75;
   constexpr double kFar = 3.0 * kNear;
-  // The wider one is nine times lower: with this share a far point counts 0.01 of a near one.
+  // Weight of the wider one, which is nine times lower: a far point counts 0.01 of a near one.
   constexpr double kFarShare = 0.09;
-  constexpr float kWeightMin = 1E-9F;  // only so that nothing is divided by zero
+  constexpr float kWeightMin = 1E-9F;  // so that nothing is divided by zero
   cv::GaussianBlur(s->flow, s->flow_far, cv::Size(0, 0), kFar);
   cv::GaussianBlur(s->weight, s->weight_far, cv::Size(0, 0), kFar);
   cv::GaussianBlur(s->flow, s->flow, cv::Size(0, 0), kNear);
@@ -116,7 +116,7 @@ void spread_motion(const PointsState& points, std::size_t age, TargetFlow* s) {
   }
 }
 
-/// The lowest and (in the high octet) the highest level of each pixel of an earlier image and its
+/// The lowest and (in the high byte) the highest level of each pixel of an earlier image and its
 /// four neighbours: origins are whole pixels, half a pixel off at most. With the diagonal
 /// neighbours outlines in a room overlap by 0.01 less, and twice as many landmarks are on the
 /// background (decision 0012).
@@ -125,7 +125,7 @@ void find_bounds(const cv::Mat& before, ForegroundScratch* s) {
   cv::erode(before, s->low, around);
   cv::dilate(before, s->high, around);
   s->bounds.create(before.size(), CV_16UC1);
-  widely([&] {
+  with_avx2([&] {
     const int columns = before.cols;
     for (int row = 0; row < before.rows; ++row) {
       const auto* low = s->low.ptr<std::uint8_t>(row);
@@ -138,12 +138,13 @@ void find_bounds(const cv::Mat& before, ForegroundScratch* s) {
   });
 }
 
-/// How far each pixel of `now` lies outside of what was within a pixel of its origin, in levels.
+/// Distance of each pixel of `now` from the range of levels within a pixel of its origin, in
+/// levels.
 void measure_excess(const cv::Mat& now, double cap, ForegroundScratch* s) {
   look_up(s->bounds, s->origins, &s->warped);
   s->excess.create(now.size(), CV_8UC1);
-  widely([&] {
-    const int columns = now.cols;  // a copy: written octets might alias the original
+  with_avx2([&] {
+    const int columns = now.cols;  // a copy: written bytes might alias the original
     const auto most = static_cast<std::int16_t>(cap);
     for (int row = 0; row < now.rows; ++row) {
       const auto* levels = now.ptr<std::uint8_t>(row);
@@ -163,7 +164,7 @@ void measure_excess(const cv::Mat& now, double cap, ForegroundScratch* s) {
   });
 }
 
-/// Sets the pixels that the layer's motion brings from inside the earlier image.
+/// Sets the pixels whose origin by the layer's motion lies inside the earlier image.
 void find_visible(const cv::Matx33d& layer,
                   const cv::Size& size,
                   const cv::Rect& region,
@@ -191,23 +192,23 @@ void find_visible(const cv::Matx33d& layer,
       *visible, corners_px.data(), static_cast<int>(corners_px.size()), cv::Scalar(255));
 }
 
-/// What contradicts all of the background's motions. What they bring from outside the earlier image
-/// is not known and contradicts nothing.
+/// Sets pixels that contradict all of the background's motions. Pixels with an origin outside of
+/// the earlier image are unknown and contradict nothing.
 void compare_with_background(const PointsState& points,
                              const BackgroundMotion& motion,
                              const cv::Rect& region,
                              ForegroundState* s) {
-  const cv::Mat now = points.picture(0)(region);
+  const cv::Mat now = points.image(0)(region);
   for (std::size_t i = 0; i < motion.layers.size(); ++i) {
     trace_plane(motion.layers[i], region, points.whole().size(), &s->scratch.origins);
     if (i == 0) {
       // Mean of two images: one with an untypical median counts half.
-      s->noise = 0.5 * s->noise +
-                 0.5 * measure_noise(
-                           points.picture(0), points.picture(motion.age), motion.layers[i], region);
+      s->noise =
+          0.5 * s->noise +
+          0.5 * measure_noise(points.image(0), points.image(motion.age), motion.layers[i], region);
     }
     measure_excess(now, std::round(kCapSigma * s->noise), &s->scratch);
-    find_visible(motion.layers[i], points.picture(0).size(), region, &s->scratch.visible);
+    find_visible(motion.layers[i], points.image(0).size(), region, &s->scratch.visible);
     cv::bitwise_and(s->scratch.excess, s->scratch.visible, s->scratch.excess);
     if (i == 0) {
       cv::swap(s->scratch.excess, s->scratch.least);
@@ -223,11 +224,11 @@ void compare_with_target(const PointsState& points,
                          ForegroundState* s) {
   spread_motion(points, age, &s->scratch.target);
   trace_flow(s->scratch.target.flow, kCell_px, region, points.whole().size(), &s->scratch.origins);
-  measure_excess(points.picture(0)(region), std::round(kCapSigma * s->noise), &s->scratch);
+  measure_excess(points.image(0)(region), std::round(kCapSigma * s->noise), &s->scratch);
 }
 
-/// How much more the background's motions are contradicted than the target's, summed over the
-/// window.
+/// Excess of the disagreement with the background's motions over that with the target's, summed
+/// over the window.
 void sum_over_window(ForegroundScratch* s) {
   s->difference.create(s->least.size(), CV_8UC1);
   const int columns = s->least.cols;
@@ -248,15 +249,15 @@ void sum_over_window(ForegroundScratch* s) {
                 false);
 }
 
-/// Moves positive log-odds along with the target and lets part of them stay. Adds this image's
-/// difference, in sigmas a pixel.
+/// Moves positive log-odds along with the target and decays them. Adds this image's difference, in
+/// sigmas a pixel.
 /// @param compared_age  age of the motion on the grid
 void carry_and_add(std::size_t compared_age, const cv::Rect& region, ForegroundState* s) {
-  // Part that stays: 1 / (1 - 0.55) = 2.2 images' worth. With 0.8 panels are filled before the
+  // Decay per image: 1 / (1 - 0.55) = 2.2 images' worth. With 0.8 panels are filled before the
   // Earth (overlap 0.85), and shadows stay in a room (0.86; decision 0006).
   constexpr float kMemory = 0.55F;
-  // The most that one image adds. Chosen: with this, three images without support bring a full sum
-  // of 4.4 to 0.7; larger makes single images decide.
+  // Bound on one image's contribution. Chosen: with it three images without support bring a full
+  // sum of 4.4 to 0.7; larger makes single images decide.
   constexpr float kAddedMost = 2.0F;
   constexpr int kPixels = kDifferenceWindow_px * kDifferenceWindow_px;
   const auto scale = static_cast<float>(1.0 / (kPixels * s->noise));
@@ -268,7 +269,7 @@ void carry_and_add(std::size_t compared_age, const cv::Rect& region, ForegroundS
         &s->scratch.carried);
   const cv::Rect part = coarser(region, s->step);
   s->log_odds.setTo(0.0);
-  widely([&] {
+  with_avx2([&] {
     const int step = s->step;
     for (int row = 0; row < part.height; ++row) {
       const auto* carried = s->scratch.carried.ptr<float>(row);
@@ -288,15 +289,15 @@ void carry_and_add(std::size_t compared_age, const cv::Rect& region, ForegroundS
 
 }  // namespace
 
-void resize_log_odds(const cv::Size& picture, int step, ForegroundState* s) {
-  const cv::Size size = coarser(cv::Rect(cv::Point(), picture), step).size();
+void resize_log_odds(const cv::Size& image, int step, ForegroundState* s) {
+  const cv::Size size = coarser(cv::Rect(cv::Point(), image), step).size();
   if (s->log_odds.size() == size && s->step == step) {
     return;
   }
-  const bool same_picture =
-      !s->log_odds.empty() && coarser({cv::Point(), picture}, s->step).size() == s->log_odds.size();
+  const bool same_image =
+      !s->log_odds.empty() && coarser({cv::Point(), image}, s->step).size() == s->log_odds.size();
   cv::swap(s->log_odds, s->scratch.before);
-  if (same_picture) {
+  if (same_image) {
     cv::resize(s->scratch.before,
                s->log_odds,
                size,
@@ -314,10 +315,10 @@ void update_log_odds(const PointsState& points,
                      const BackgroundState& background,
                      const cv::Rect& region,
                      ForegroundState* s) {
-  // Part that stays of an image without a comparison: half is left after three. Chosen; smaller
-  // loses the target when the background is not explained for a while.
+  // Decay for an image without a comparison: half is left after three. Chosen; smaller loses the
+  // target when the background is not explained for a while.
   constexpr double kUnsupported = 0.8;
-  // Starts at a cell of the motion's grid.
+  // A corner of a cell of the motion's grid.
   const cv::Point start(region.x / kCell_px * kCell_px, region.y / kCell_px * kCell_px);
   s->region = cv::Rect(start, region.br()) & points.whole();
   const bool explained = std::any_of(background.motions.begin(),
@@ -334,7 +335,7 @@ void update_log_odds(const PointsState& points,
     motion = &background.motions[s->longer ? 0 : 1];
   }
   s->longer = !s->longer;
-  find_bounds(points.picture(motion->age), &s->scratch);
+  find_bounds(points.image(motion->age), &s->scratch);
   compare_with_background(points, *motion, s->region, s);
   compare_with_target(points, motion->age, s->region, s);
   sum_over_window(&s->scratch);
@@ -345,7 +346,7 @@ void remember_outline(const cv::Mat& outline, ForegroundState* s) {
   // After one image 0.55 of it is left, which is over kTargetLogOdds, and after two it is under.
   constexpr float kRemembered = 0.7F;
   cover_by_half(outline, s->log_odds.size(), &s->scratch.covered);
-  widely([&] {
+  with_avx2([&] {
     for (int row = 0; row < s->log_odds.rows; ++row) {
       const auto* target = s->scratch.covered.ptr<std::uint8_t>(row);
       auto* total = s->log_odds.ptr<float>(row);

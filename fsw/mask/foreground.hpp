@@ -1,8 +1,7 @@
 // Foreground log-odds: does a place move like the background, or like the target's points?
-//
-// Each place of the newest image is compared with where the background's motion and where the
-// target's motion bring it from. What only one of the two explains counts, to a pixel or two, from
-// the second image on. What both explain (an even place) or neither (just come into view) does not.
+// Compares each place of the newest image with its origins by the background's motion and by the
+// target's. A place that only one of the two explains counts, to a pixel or two, from the second
+// image on. A place that both explain (an even one) or neither (just come into view) does not.
 #pragma once
 
 #include "mask/background.hpp"
@@ -24,13 +23,15 @@ struct ForegroundScratch {
 };
 
 struct ForegroundState {
-  // Over what comparisons can add up to: 2 an image, of which 0.55 stays, is 4.4 in the end.
+  // Bound on the log-odds: comparisons add at most 2 an image, of which 0.55 stays, so 4.4 in the
+  // end.
   static constexpr float kLogOddsMax = 6.0F;
-  // A camera's noise before it is measured, levels. Chosen; the first images bring it to theirs.
+  // A camera's noise before it is measured, levels. Chosen; it follows the measurement of the first
+  // images.
   static constexpr double kNoiseFirst = 2.0;
 
-  cv::Mat log_odds;    ///< CV_32FC1: positive where the target is, in sigmas a pixel; carried along
-                       ///< with the target's motion
+  cv::Mat log_odds;    ///< CV_32FC1: positive on the target, in sigmas a pixel; moved along with
+                       ///< the target
   int step = 1;        ///< working pixels per pixel of it, along a side
   bool longer = true;  ///< the next image is compared over the longer of the two ages
   cv::Rect region;     ///< in which the last images were compared, working pixels
@@ -38,14 +39,13 @@ struct ForegroundState {
   ForegroundScratch scratch;
 };
 
-/// Log-odds for an image of this size, by cells of so many of its pixels. What is known stays,
-/// coarser or finer.
-void resize_log_odds(const cv::Size& picture, int step, ForegroundState* state);
+/// Resizes the log-odds for an image of this size, to cells of `step` of its pixels. Their content
+/// stays, coarser or finer.
+void resize_log_odds(const cv::Size& image, int step, ForegroundState* state);
 
 /// Compares the newest image with an earlier one within a region and adds to the log-odds. Outside
 /// of the region they become 0. Needs points of both classes, and log-odds of the image's size.
-/// @cost in proportion to the region: as many look-ups of its pixels as there are layers, and one
-/// more.
+/// @cost in proportion to the region: one look-up of its pixels for each layer, and one more.
 void update_log_odds(const PointsState& points,
                      const BackgroundState& background,
                      const cv::Rect& region,

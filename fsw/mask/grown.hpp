@@ -9,7 +9,7 @@ inline cv::Rect grown(const cv::Rect& box, int by) {
   return {box.x - by, box.y - by, box.width + 2 * by, box.height + 2 * by};
 }
 
-/// The smallest rectangle that holds another one, in pixels that are `step` of its own along a
+/// The smallest rectangle that contains another one, in pixels that are `step` of its own along a
 /// side.
 inline cv::Rect coarser(const cv::Rect& box, int step) {
   return {cv::Point(box.x / step, box.y / step),

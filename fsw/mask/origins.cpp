@@ -49,7 +49,7 @@ void trace_plane(const cv::Matx33d& motion,
   const auto along_u = static_cast<float>(back(0, 0));
   const auto along_v = static_cast<float>(back(1, 0));
   const auto along_w = static_cast<float>(back(2, 0));
-  widely([&] {
+  with_avx2([&] {
     const Before before(before_size);
     const int columns = region.width;  // a copy: written indices might alias the original
     for (int row = 0; row < region.height; ++row) {
@@ -74,7 +74,7 @@ void trace_flow(const cv::Mat& flow,
                 Origins* origins) {
   spread_flow(flow, cell_px, region, 1, &origins->flow);
   origins->index.create(region.size(), CV_32SC1);
-  widely([&] {
+  with_avx2([&] {
     const Before before(before_size);
     const int columns = region.width;  // as above
     const int left = region.x;

@@ -1,12 +1,11 @@
-// Source pixels of a region in an earlier image, and what was there. What was known there, carried
-// along.
+// Source pixels of a region in an earlier image, and look-up of values there.
 #pragma once
 
 #include <opencv2/core.hpp>
 
 namespace polhode {
 
-/// Whole pixels of the earlier image, the nearest ones.
+/// Source pixels in the earlier image, rounded to whole ones.
 struct Origins {
   cv::Mat index;  ///< CV_32SC1: of the pixel, row by row
 
@@ -15,13 +14,14 @@ struct Origins {
 
 /// @param motion  homography from the earlier image to this one
 /// @param region  pixels of this image
-/// @param before_size  of the earlier image: what comes from outside of it comes from its border
+/// @param before_size  of the earlier image: an origin outside of it is taken at its border
 void trace_plane(const cv::Matx33d& motion,
                  const cv::Rect& region,
                  const cv::Size& before_size,
                  Origins* origins);
 
-/// @param flow  CV_32FC2: how far this image's pixels have come, by cells of a grid
+/// @param flow  CV_32FC2: displacement of this image's pixels since the earlier one, by cells of a
+/// grid
 /// @param region  pixels of this image, from the corner of a cell on
 /// @param before_size  as above
 void trace_flow(const cv::Mat& flow,
@@ -30,7 +30,9 @@ void trace_flow(const cv::Mat& flow,
                 const cv::Size& before_size,
                 Origins* origins);
 
-/// What was there. @param before  continuous, CV_16UC1. @param out  of the size of the origins.
+/// Looks up the values at the origins.
+/// @param before  continuous, CV_16UC1.
+/// @param out  of the size of the origins.
 void look_up(const cv::Mat& before, const Origins& origins, cv::Mat* out);
 
 /// A region of this image, by cells.
@@ -40,8 +42,8 @@ struct CarriedRegion {
   int flow_cell_px = 1;
 };
 
-/// What was kept of an earlier image, by cells, where the flow has brought it. Between cells by
-/// interpolation; outside of it the border is repeated.
+/// What was values of an earlier image, by cells, along the flow. Between cells by interpolation;
+/// outside of it the border is repeated.
 /// @param flow    as above
 /// @param before  by cells like those of `out`
 /// @param from    scratch

@@ -10,12 +10,12 @@
 namespace polhode {
 namespace {
 
-// What a seed counts in its piece: the most that log-odds reach.
+// Log-odds of a seed: the bound of all log-odds.
 constexpr float kSeedLogOdds = ForegroundState::kLogOddsMax;
 // Least sum of a target over working pixels. Chosen: kTargetAreaMin pixels with 2.5 each. Larger
 // loses small or slow targets, smaller takes noise for one.
 constexpr double kPieceLogOddsMin = 250.0;
-// A part of the target that stands apart has so much of the main piece's sum. Chosen; larger loses
+// Least sum of a separate part of the target, relative to the main piece's. Chosen; larger loses
 // booms, smaller adds noise.
 constexpr double kPartMin = 0.05;
 
@@ -31,11 +31,10 @@ struct Piece {
   }
 };
 
-// Pieces are summed over every second row and column: a quarter of the time, and a piece has many
-// pixels.
+// Step of rows and columns in the sums: a quarter of the time, and a piece has many pixels.
 constexpr int kOutlineStep = 2;
 
-/// Sum of positive log-odds and extent by piece; the first is what lies in none.
+/// Sum of positive log-odds and extent by piece; entry 0 is of no piece.
 std::vector<Piece> weigh_pieces(const cv::Mat& log_odds,
                                 const cv::Mat& seeds,
                                 const cv::Mat& labels,
@@ -69,10 +68,10 @@ bool belongs(const Piece& piece, const Piece& main) {
   return piece.log_odds > kPartMin * main.log_odds && (grown(box, reach) & piece.box()).area() > 0;
 }
 
-/// Sets everything that cannot be reached from the image border.
+/// Fills holes: sets everything that cannot be reached from the image border.
 void fill_holes(cv::Mat* outline, cv::Mat* flooded) {
   cv::copyMakeBorder(*outline, *flooded, 1, 1, 1, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
-  constexpr int kReached = 128;  // any level but 0 and 255, which the outline has
+  constexpr int kReached = 128;  // any level but 0 and 255, the outline's
   cv::floodFill(*flooded, cv::Point(0, 0), cv::Scalar(kReached));
   for (int row = 0; row < outline->rows; ++row) {
     const std::uint8_t* from = flooded->ptr<std::uint8_t>(row + 1) + 1;

@@ -7,14 +7,14 @@
 namespace polhode {
 namespace {
 
-// As far as find_target opens cells beyond what is lit. Fewer leave features on the silhouette,
+// Margin of cells: that of find_target beyond lit cells. Fewer leave features on the silhouette,
 // more lose the target's beside it.
 constexpr int kOwnGrowCells = 2;
-// Half of the window that points are followed with, 9 px, and the pixel of rounding.
+// Margin of working pixels: half of the window of optical flow, 9 px, and the pixel of rounding.
 constexpr int kGrowWorking_px = 5;
 
-/// Not 0 where any pixel of a square of `side_px` is, grown. A square that the picture's edge cuts
-/// counts only where the reduced picture has it.
+/// Not 0 where any pixel of a square of `side_px` is not 0, then grown. A square that the image's
+/// edge cuts counts only where the reduced image has it.
 cv::Mat reduced(const cv::Mat& pixels, const cv::Size& size, int side_px, int grow) {
   cv::Mat small = cv::Mat::zeros(size, CV_8UC1);
   for (int row = 0; row < size.height; ++row) {

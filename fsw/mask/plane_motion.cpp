@@ -54,7 +54,7 @@ cv::Matx33d in_pixels(const Vector8d& h) {
           1.0};
 }
 
-/// None where the points fix no motion.
+/// Nothing where the points are degenerate.
 std::optional<cv::Matx33d> through_four(std::span<const cv::Point2f> from,
                                         std::span<const cv::Point2f> to,
                                         const Sample<4>& sample) {
@@ -83,7 +83,7 @@ double score(std::span<const cv::Point2f> from,
   for (std::size_t i = 0; i < from.size() && sum < enough; ++i) {
     const cv::Point2f d = moved(motion, from[i]) - to[i];
     const float e2 = d.x * d.x + d.y * d.y;
-    sum += static_cast<double>(e2 < limit ? e2 : limit);  // not a number counts as far
+    sum += static_cast<double>(e2 < limit ? e2 : limit);  // NaN counts as far
   }
   return sum;
 }
@@ -143,7 +143,7 @@ bool fit_plane_motion(std::span<const cv::Point2f> from,
     return false;
   }
   *motion = best.model;
-  // Each round may let other points agree. Chosen; more cost time and change little.
+  // Each round may change which points agree. Chosen; more cost time and change little.
   constexpr int kRounds = 3;
   for (int i = 0; i < kRounds; ++i) {
     refine(from, to, fit_px, motion);

@@ -1,5 +1,5 @@
-// The motion of a plane between two images: a homography through points, most of which may belong
-// to something else.
+// The motion of a plane between two images: a homography through points, most of which may be
+// outliers.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ bool fit_plane_motion(std::span<const cv::Point2f> from,
                       cv::Matx33d* motion,
                       std::vector<std::uint8_t>* agrees);
 
-/// Where a motion brings a point.
+/// Position of a point after the motion.
 cv::Point2f moved(const cv::Matx33d& motion, const cv::Point2f& point);
 
 }  // namespace polhode

@@ -23,10 +23,10 @@ constexpr int kFlowLevels = 3;
 constexpr int kLevelsPredicted = 0;
 // Points that are closer share half of their windows' width or more.
 constexpr int kNearest_px = 5;
-// Motions are told apart by 1 px and more. 0.02 px takes 0.3 ms more; 0.1 px saves nothing (record
+// Motions are separated by 1 px and more. 0.02 px takes 0.3 ms more; 0.1 px saves nothing (decision
 // 0013).
 constexpr double kSettled_px = 0.05;
-// Of a point on a level; half as many save nothing (decision 0013).
+// Iterations for a point on a level; half as many save nothing (decision 0013).
 constexpr int kIterationsMax = 15;
 
 void clear_flow(PointsState* s) {
@@ -43,7 +43,7 @@ void add_to_flow(const cv::Point2f& from, const cv::Point2f& guess, PointsState*
   s->error.push_back(0.0F);
 }
 
-/// Optical flow of some of the points in `from`, with initial values in `to`.
+/// Optical flow of a range of the points in `from`, with initial values in `to`.
 void flow(const FlowPyramid& before,
           const FlowPyramid& after,
           const cv::Range& points,
@@ -67,8 +67,8 @@ void flow(const FlowPyramid& before,
       cv::OPTFLOW_USE_INITIAL_FLOW);
 }
 
-/// Third quartile of the differences of the first `count` points, levels. The median would miss
-/// that half of them are lost (decision 0013). None found: the largest there is.
+/// Third quartile of the differences of the first `count` points, levels. The median would not show
+/// the loss of half of them (decision 0013). 255 when no point was found.
 float typical_error(int count, PointsState* s) {
   constexpr float kLargest = 255.0F;  // of 8-bit levels
   std::size_t found = 0;
@@ -82,9 +82,10 @@ float typical_error(int count, PointsState* s) {
 
 /// Tracks points with a known motion from its prediction. When they suddenly differ more than in
 /// the image before, the motion has changed: an image is missing, or the camera has been rotated.
-/// Then they are searched for as far as new ones.
+/// Then the search range is that of new points.
 void flow_with_prediction(int known, PointsState* s) {
-  // Twice what it was (decision 0013). Larger misses changes of motion, smaller searches in vain.
+  // Ratio of the difference to the last image's (decision 0013). Larger misses changes of motion,
+  // smaller searches in vain.
   constexpr float kLessAlike = 2.0F;
   constexpr float kLevelsOff = 1.0F;  // images without noise are rounded to levels
   const int all = static_cast<int>(s->from.size());
@@ -100,7 +101,7 @@ void flow_with_prediction(int known, PointsState* s) {
 }
 
 bool inside(const cv::Point2f& p, const cv::Size& size) {
-  // The image border's gradients and corner scores are of repeated pixels.
+  // Border left out: gradients and corner scores there are of repeated pixels.
   constexpr float kBorder_px = 2.0F;
   return p.x > kBorder_px && p.y > kBorder_px &&
          p.x < static_cast<float>(size.width) - 1.0F - kBorder_px &&
@@ -124,14 +125,14 @@ bool is_near(const cv::Point2f& p, const PointsState& s) {
 /// Adds the best corner of each tile of a grid over part of the image, until there are `most`
 /// points.
 void add_corners(const cv::Rect& part, int columns, int rows, std::size_t most, PointsState* s) {
-  // A step of 20 levels at a corner has 5e-4; noise of 2 levels gives a tenth of that.
+  // Least score. A step of 20 levels at a corner has 5e-4; noise of 2 levels gives a tenth of that.
   constexpr double kScoreMin = 2E-4;
   if (part.width < columns || part.height < rows || s->tracks.size() >= most) {
     return;
   }
   constexpr int kBlock_px = 3;  // the least, for corners of small texture
-  cv::cornerMinEigenVal(s->picture(0)(part), s->corner_score, kBlock_px, kBlock_px);
-  // An order that is spread over the part, so that tiles left out when it is full are, too. A
+  cv::cornerMinEigenVal(s->image(0)(part), s->corner_score, kBlock_px, kBlock_px);
+  // A step through the tiles, so that tiles left out when the table is full are spread evenly. A
   // prime, so that it meets each of the 60, 72 or 144 tiles once.
   constexpr int kStride = 37;
   const int tiles = rows * columns;
@@ -146,8 +147,7 @@ void add_corners(const cv::Rect& part, int columns, int rows, std::size_t most, 
     MaskTrack track;
     track.places[0] = cv::Point2f(where + tile.tl() + part.tl());
     track.count = 1;
-    if (best > kScoreMin && inside(track.now(), s->picture(0).size()) &&
-        !is_near(track.now(), *s)) {
+    if (best > kScoreMin && inside(track.now(), s->image(0).size()) && !is_near(track.now(), *s)) {
       (void)s->tracks.push_back(track);
     }
   }
@@ -163,16 +163,16 @@ cv::Point2f MaskTrack::motion(std::size_t age) const {
   return (places[0] - places[known]) * (static_cast<float>(age) / static_cast<float>(known));
 }
 
-bool add_picture(const cv::Mat& gray, const cv::Mat& reduced, PointsState* s) {
+bool add_image(const cv::Mat& gray, const cv::Mat& reduced, PointsState* s) {
   const int decimation = decimation_of(gray.cols, gray.rows);
   const cv::Size size(gray.cols / decimation, gray.rows / decimation);
-  if (s->stored > 0 && (decimation != s->decimation || s->picture(0).size() != size)) {
+  if (s->stored > 0 && (decimation != s->decimation || s->image(0).size() != size)) {
     clear(s);
   }
   s->decimation = decimation;
-  s->newest = (s->newest + 1) % PointsState::kPictures;
-  s->stored = std::min(s->stored + 1, PointsState::kPictures);
-  cv::Mat& newest = s->pictures[s->newest];
+  s->newest = (s->newest + 1) % PointsState::kImages;
+  s->stored = std::min(s->stored + 1, PointsState::kImages);
+  cv::Mat& newest = s->images[s->newest];
   if (reduced.size() == size && size * decimation == gray.size()) {
     reduced.copyTo(newest);
   } else {
@@ -180,7 +180,7 @@ bool add_picture(const cv::Mat& gray, const cv::Mat& reduced, PointsState* s) {
   }
   std::swap(s->pyramid, s->pyramid_before);
   cv::buildOpticalFlowPyramid(
-      s->picture(0), s->pyramid, cv::Size(kFlowWindow_px, kFlowWindow_px), kFlowLevels, true);
+      s->image(0), s->pyramid, cv::Size(kFlowWindow_px, kFlowWindow_px), kFlowLevels, true);
   return s->stored == 1;
 }
 
@@ -190,7 +190,7 @@ void follow_points(PointsState* s) {
     return;
   }
   clear_flow(s);
-  int known = 0;  // those that are new come last
+  int known = 0;  // new points come last
   for (const MaskTrack& track : s->tracks) {
     const bool is_predicted = s->predicted && track.count > 1;
     add_to_flow(track.now(), is_predicted ? track.now() + track.motion(1) : track.now(), s);
@@ -199,7 +199,7 @@ void follow_points(PointsState* s) {
   flow_with_prediction(known, s);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < s->tracks.size(); ++i) {
-    if (s->found[i] != 0 && inside(s->to[i], s->picture(0).size())) {
+    if (s->found[i] != 0 && inside(s->to[i], s->image(0).size())) {
       MaskTrack track = s->tracks[i];
       advance(s->to[i], &track);
       s->tracks[kept++] = track;
@@ -209,8 +209,8 @@ void follow_points(PointsState* s) {
 }
 
 void drop_stray_points(TrackClass kind, PointsState* s) {
-  // About half of what contradicts the background (1.5 px). Chosen; larger keeps mistracked points,
-  // smaller drops noisy ones.
+  // Largest error of tracking forth and back: about half of the distance that contradicts the
+  // background (1.5 px). Chosen; larger keeps mistracked points, smaller drops noisy ones.
   constexpr float kStray_px = 0.7F;
   clear_flow(s);
   for (const MaskTrack& track : s->tracks) {

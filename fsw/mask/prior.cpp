@@ -9,11 +9,10 @@
 namespace polhode {
 namespace {
 
-// How far a body reaches beyond its landmarks, in its radius: a new face comes into view, and
-// landmarks do not sit on the silhouette. Chosen; larger lets the background in, smaller cuts parts
-// off.
+// Reach of a body beyond its landmarks, in its radius: a new face comes into view, and landmarks do
+// not lie on the silhouette. Chosen; larger lets the background in, smaller cuts parts off.
 constexpr double kReach = 0.35;
-constexpr double kReachMin_px = 6.0;  // chosen: for a body so small that outlines' errors count
+constexpr double kReachMin_px = 6.0;  // chosen: for a body so small that outlines' errors matter
 
 // A disc around a landmark, in the body's radius. Chosen: larger opens the mask beyond the body.
 constexpr double kDiscRadius = 0.05;
@@ -23,7 +22,7 @@ constexpr double kDiscRadius = 0.05;
 constexpr double kNear = 0.15;
 constexpr double kNearMin_px = 2.0;
 
-/// Distance to what is set, within a box, in working pixels. Outside of the box: far.
+/// Distance to the pixels of `set`, within a box, in working pixels. Outside of the box: far.
 /// @param step working pixels per pixel of `set`, along a side.
 void distance_within(
     const cv::Mat& set, const cv::Rect& box, int step, OutlineScratch* s, cv::Mat* distance) {
@@ -32,13 +31,14 @@ void distance_within(
   distance->setTo(kFar);
   cv::Mat part = (*distance)(box);
   cv::bitwise_not(set(box), s->positive);
-  constexpr int kChamfer = 3;  // the fastest; off by a few percent, less than the reach is known
+  constexpr int kChamfer = 3;  // the fastest; off by a few percent, less than the uncertainty of
+                               // the reach
   cv::distanceTransform(s->positive, part, cv::DIST_L2, kChamfer, CV_32F);
   part *= static_cast<double>(step);
 }
 
-/// Adds the places between landmarks that are close together to the seeds, where the log-odds do
-/// not say background.
+/// Adds the cells between landmarks that are close together to the seeds, where the log-odds do not
+/// indicate background.
 void close_gaps(const cv::Rect& box, MaskState* s) {
   cv::Mat& cells = s->scratch.cells;
   cv::Mat& gap_distance = s->scratch.cell_values;
@@ -117,8 +117,9 @@ void place_prior(const MaskPrior& prior, MaskState* s) {
   const cv::Rect box = grown(s->map.seeds_box, margin) & cv::Rect(cv::Point(), s->map.seeds.size());
   distance_within(s->map.seeds, box, s->foreground.step, &s->scratch.outline, &s->map.distance);
   cv::compare(s->map.distance, reach, s->map.reach, cv::CMP_LE);
-  // Motion draws the finer outline: overlap 0.86 and 0.90 on small `earth` and `paper_2d`, with the
-  // landmarks' discs added 0.81 and 0.87 (decision 0006).
+  // Without the landmarks' discs where there is enough motion, which gives the finer outline:
+  // overlap 0.86 and 0.90 on small `earth` and `paper_2d`, with the discs 0.81 and 0.87 (decision
+  // 0006).
   s->map.seeds.copyTo(s->map.landmark_discs);
   if (s->background.target_tracks >= kTracksEnough) {
     s->map.seeds.setTo(0);

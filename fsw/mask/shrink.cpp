@@ -9,8 +9,8 @@
 
 namespace polhode {
 
-void shrink(const cv::Mat& picture, const cv::Size& size, int by, cv::Mat* out) {
-  cv::Mat halved = picture;
+void shrink(const cv::Mat& image, const cv::Size& size, int by, cv::Mat* out) {
+  cv::Mat halved = image;
   for (int left = by / 2; left > 1; left /= 2) {
     cv::Mat half;
     cv::resize(halved, half, size * left, 0.0, 0.0, cv::INTER_AREA);
@@ -20,7 +20,7 @@ void shrink(const cv::Mat& picture, const cv::Size& size, int by, cv::Mat* out) 
 }
 
 void cover_by_half(const cv::Mat& set, const cv::Size& size, cv::Mat* out) {
-  constexpr double kHalf = 127.0;  // what exceeds it is 128 of 255 or more
+  constexpr double kHalf = 127.0;  // a larger mean is 128 of 255 or more
   cv::resize(set, *out, size, 0.0, 0.0, cv::INTER_AREA);
   cv::threshold(*out, *out, kHalf, 255.0, cv::THRESH_BINARY);
 }
@@ -28,7 +28,7 @@ void cover_by_half(const cv::Mat& set, const cv::Size& size, cv::Mat* out) {
 void fill_from_cells(const cv::Mat& cells, int step, const cv::Rect& box, cv::Mat* out) {
   POLHODE_ASSERT(step == 1 || step == 2, step);
   if (step == 1) {
-    cv::Mat part = (*out)(box);  // may hold nothing
+    cv::Mat part = (*out)(box);  // may be empty
     cells(box).copyTo(part);
     return;
   }

@@ -16,8 +16,7 @@ struct TargetMask {
 
   cv::Mat levels;  ///< CV_8UC1, mean of the pixels over each cell; not where the mask is disabled
   cv::Mat cells;   ///< CV_8UC1, 255 on the target and 2 cells around it
-  cv::Rect
-      region_px;  ///< what encloses it, in pixels of the image; empty when nothing is bright enough
+  cv::Rect region_px;  ///< bounding box in pixels of the image; empty when nothing is bright enough
   double coverage = 0.0;  ///< fraction of the image
 
   [[nodiscard]] bool contains(double u_px, double v_px) const;

@@ -1,6 +1,6 @@
 #include "motion/mend.hpp"
 
-#include "base/sound.hpp"
+#include "base/validity.hpp"
 #include "motion/disturbance.hpp"
 #include "motion/estimator.hpp"
 #include "motion/soundness.hpp"
@@ -18,7 +18,7 @@ std::uint32_t drop_poses(std::int64_t now_ns, PoseHistory* poses) {
   for (std::size_t i = poses->size(); i-- > 0;) {
     const bool earlier =
         i + 1 == poses->size() || (*poses)[i].timestamp_ns < (*poses)[i + 1].timestamp_ns;
-    if (!earlier || !is_sound((*poses)[i], now_ns)) {
+    if (!earlier || !is_valid((*poses)[i], now_ns)) {
       poses->erase(i);
       ++dropped;
     }
@@ -28,30 +28,30 @@ std::uint32_t drop_poses(std::int64_t now_ns, PoseHistory* poses) {
 
 }  // namespace
 
-Mended mend(std::int64_t now_ns, MotionEstimate* motion) {
-  if (is_sound(*motion, now_ns)) {
+Repair repair(std::int64_t now_ns, MotionEstimate* motion) {
+  if (is_valid(*motion, now_ns)) {
     return {};
   }
-  Mended mended{.entries = drop_poses(now_ns, &motion->recent) + drop_poses(now_ns, &motion->past)};
-  if (mended.entries > 0) {
+  Repair done{.entries = drop_poses(now_ns, &motion->recent) + drop_poses(now_ns, &motion->past)};
+  if (done.entries > 0) {
     pass_over_pose(motion);  // which of them had departed is not known any more
   }
-  if (!is_sound_of_repeats(*motion, now_ns)) {
+  if (!is_valid_of_repeats(*motion, now_ns)) {
     forget_seen(motion);
-    ++mended.entries;
+    ++done.entries;
   }
-  if (!is_sound(motion->model, now_ns)) {
+  if (!is_valid(motion->model, now_ns)) {
     replace_model({}, motion);
-    ++mended.entries;
+    ++done.entries;
   }
-  if (!is_sound(*motion, now_ns)) {
+  if (!is_valid(*motion, now_ns)) {
     reset_poses(motion);
     motion->R_IC.setIdentity();
     motion->observer_known = false;
     motion->departures = 0;
-    mended.reset = true;
+    done.reset = true;
   }
-  return mended;
+  return done;
 }
 
 }  // namespace polhode

@@ -3,13 +3,13 @@
 
 #include <cstdint>
 
-#include "base/mended.hpp"
+#include "base/repair.hpp"
 #include "motion/motion_estimate.hpp"
 
 namespace polhode {
 
 /// Nothing happens to a sound one. Of another one, poses that are not sound are dropped, and a
 /// model that is not; the next fit makes a new one. Where that does not do, all poses go.
-Mended mend(std::int64_t now_ns, MotionEstimate* motion);
+Repair repair(std::int64_t now_ns, MotionEstimate* motion);
 
 }  // namespace polhode

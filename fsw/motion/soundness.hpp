@@ -10,13 +10,13 @@ namespace polhode {
 
 /// Numbers finite, rotations orthonormal, times increasing and not after `now_ns`, covariances of
 /// poses positive definite, the model's kind one that exists.
-bool is_sound(const MotionEstimate& motion, std::int64_t now_ns);
+bool is_valid(const MotionEstimate& motion, std::int64_t now_ns);
 
 /// Parts of it:
-bool is_sound(const PoseSample& sample, std::int64_t now_ns);
-bool is_sound(const RigidModel& model, std::int64_t now_ns);
-bool is_sound(const KnownBody& body);
+bool is_valid(const PoseSample& sample, std::int64_t now_ns);
+bool is_valid(const RigidModel& model, std::int64_t now_ns);
+bool is_valid(const KnownBody& body);
 /// What the next pose is held against, to tell a repeat.
-bool is_sound_of_repeats(const MotionEstimate& motion, std::int64_t now_ns);
+bool is_valid_of_repeats(const MotionEstimate& motion, std::int64_t now_ns);
 
 }  // namespace polhode

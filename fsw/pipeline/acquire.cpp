@@ -34,7 +34,7 @@ void collect(Component::State* s) {
   if (collected.kept) {
     // No job is out, so nobody reads them.
     keep_crop(
-        picture.gray, s->clock.frame, s->features.features.view(), &s->jobs.start.pictures.crops);
+        picture.gray, s->clock.frame, s->features.features.view(), &s->jobs.start.images.crops);
   }
   // A target that is known by a model is given ten frames of it to be recognised: T is then the
   // model's.

@@ -6,7 +6,7 @@
 
 #include "map/map_state.hpp"
 #include "map/rate_links.hpp"
-#include "map/soundness.hpp"
+#include "map/validity.hpp"
 #include "motion/estimator.hpp"
 #include "pipeline/job.hpp"
 #include "pipeline/parameters.hpp"
@@ -140,7 +140,7 @@ void ask_for_adjustment_after_growth(const AdjustmentView& view,
   const auto order = keyframes_by_age(map);
   // A map that has been damaged within this step is mended by the next one, and adjusted then.
   if (!mapping->growth.any || is_out(queue->map) || order.empty() ||
-      !is_sound(map, *view.camera, view.now_ns)) {
+      !is_valid(map, *view.camera, view.now_ns)) {
     return;
   }
   const bool closed = std::exchange(mapping->growth, {}).closed;

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "map/soundness.hpp"
+#include "map/validity.hpp"
 
 namespace polhode {
 
@@ -28,7 +28,7 @@ RigidModel fit_as_free_body(const RigidModel& previous, AdjustmentJob* job) {
 }  // namespace
 
 void run_adjustment(AdjustmentJob* job) {
-  if (!is_sound(job->snapshot)) {  // damaged in memory while it waited
+  if (!is_valid(job->snapshot)) {  // damaged in memory while it waited
     skip_adjustment(job);
     return;
   }

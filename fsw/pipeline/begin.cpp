@@ -15,17 +15,17 @@
 namespace polhode {
 namespace {
 
-std::int64_t frames_with_pose(const StartOutcome& start) {
+std::int64_t frames_with_pose(const InitialOutcome& start) {
   return std::count_if(
-      start.frames.begin(), start.frames.end(), [](const StartFramePose& f) { return f.valid; });
+      start.frames.begin(), start.frames.end(), [](const InitialFramePose& f) { return f.valid; });
 }
 
 // Residuals along a track are alike, so each counts three times (decision 0083).
 constexpr double kAlike = 3.0;
 
-void start_drift(const StartOutcome& start, const Similarity& to_T, MapDrift* drift) {
+void start_drift(const InitialOutcome& start, const Similarity& to_T, MapDrift* drift) {
   const auto first = std::find_if(
-      start.frames.begin(), start.frames.end(), [](const StartFramePose& f) { return f.valid; });
+      start.frames.begin(), start.frames.end(), [](const InitialFramePose& f) { return f.valid; });
   begin_drift(transformed(first->pose, to_T).R_CT,
               start.rotation_rad,
               std::sqrt(kAlike) * start.depth_sigma,
@@ -36,7 +36,7 @@ void start_drift(const StartOutcome& start, const Similarity& to_T, MapDrift* dr
 /// The start's keyframes and landmarks into the map, and a first joint adjustment asked for. After
 /// it come the landmarks that the keyframes give beyond the start's tracks, and a second one.
 void take_over_start(const Similarity& to_T, Component::State* s) {
-  const StartOutcome& start = s->jobs.start.outcome;
+  const InitialOutcome& start = s->jobs.start.outcome;
   const CameraModel& camera = s->configuration.camera;
   Map& map = s->mapping.map;
   s->jobs.adjustment.first_keyframe = map.next_keyframe_number;
@@ -53,10 +53,10 @@ void take_over_start(const Similarity& to_T, Component::State* s) {
   change_mode(ModeEvent::kMapBegun, &s->mode);
 }
 
-using ReanchorFrames = FixedVector<ReanchorFrame, limits::kStartFrames>;
+using ReanchorFrames = FixedVector<ReanchorFrame, limits::kInitialFrames>;
 
 /// The start's poses beside those that the motion before the loss predicts for the same times.
-ReanchorFrames predicted_beside(const StartOutcome& start,
+ReanchorFrames predicted_beside(const InitialOutcome& start,
                                 std::span<const CollectedFrame> collected_frames,
                                 const MotionEstimate& motion,
                                 const MapDrift& drift,
@@ -80,7 +80,7 @@ ReanchorFrames predicted_beside(const StartOutcome& start,
   return frames;
 }
 
-bool has_room(const StartOutcome& start, const MapOptions& options, const Map& map) {
+bool has_room(const InitialOutcome& start, const MapOptions& options, const Map& map) {
   return map.keyframe_count + frames_with_pose(start) <= options.keyframes_max &&
          static_cast<std::size_t>(map.landmark_count) + start.points.size() <= limits::kLandmarks;
 }
@@ -99,7 +99,7 @@ void begin(Component::State* s) {
 /// Where too little is known of the motion, or it contradicts the new start's, which was decided on
 /// its own, nothing ties the new start to T.
 void begin_again(Component::State* s) {
-  const StartOutcome& start = s->jobs.start.outcome;
+  const InitialOutcome& start = s->jobs.start.outcome;
   const Parameters& parameters = s->configuration.parameters;
   MapState& mapping = s->mapping;
   const ReanchorFrames frames =
@@ -108,7 +108,7 @@ void begin_again(Component::State* s) {
                        s->motion,
                        mapping.drift,
                        parameters.motion);
-  const Result<Reanchoring> found = reanchor_start(
+  const Result<Reanchoring> found = reanchor_map(
       frames.view(), {.centre_T = mapping.map.centre_T, .radius_mu = mapping.map.radius_mu});
   ++s->counters.restarts;
   const bool doubted = s->motion.departures > 0;
@@ -136,8 +136,8 @@ void begin_again(Component::State* s) {
 }  // namespace
 
 void take_start(Component::State* s) {
-  const StartJob& job = s->jobs.start;
-  if (job.outcome.decision != StartDecision::kCommit) {
+  const InitialisationJob& job = s->jobs.start;
+  if (job.outcome.decision != InitialDecision::kCommit) {
     if (job.outcome.crowded && s->initialisation.tracks.frames.size() == job.frame_count) {
       drop_oldest_frame(&s->initialisation.tracks);
     }

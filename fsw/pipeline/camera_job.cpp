@@ -4,7 +4,7 @@
 #include <numbers>
 #include <vector>
 
-#include "base/sound.hpp"
+#include "base/validity.hpp"
 #include "geometry/so3.hpp"
 #include "motion/pose_history.hpp"
 #include "solve/bundle_part.hpp"
@@ -33,7 +33,7 @@ FixedVector<std::int32_t, limits::kKeyframes> places_of(std::size_t poses) {
 }
 
 /// Sizes and indices are such as they are prepared.
-bool is_sound(const CameraJob& job) {
+bool is_valid(const CameraJob& job) {
   const std::size_t poses = job.poses.size();
   const std::size_t points = job.points_T.size();
   const auto in = [](std::int32_t index, std::size_t count) {
@@ -128,7 +128,7 @@ void run_camera_test(CameraJob* job) {
   // was not settled by 20 on the sample, and the test decided nothing.
   constexpr BundleOptions kOptions{.iterations_max = 30, .cauchy_sigma = 2.0};
   job->fit = {};
-  if (is_sound(*job)) {  // else damaged in memory while it waited
+  if (is_valid(*job)) {  // else damaged in memory while it waited
     job->fit = adjust_camera({.bundle = {.poses = job->poses.view(),
                                          .pose_fixed = job->pose_fixed.view(),
                                          .points_T = job->points_T.view(),
@@ -144,13 +144,13 @@ void run_camera_test(CameraJob* job) {
 
 void take_camera_test(const CameraFit& fit, CameraState* state) {
   const CameraFinding found = joined(state->found, find_deviations(fit));
-  if (fit.usable && is_sound(found)) {  // else damaged in memory while it waited
+  if (fit.usable && is_valid(found)) {  // else damaged in memory while it waited
     state->found = found;
   }
 }
 
-bool is_sound(const CameraState& state) {
-  return sound::is_bool(state.waits) && is_sound(state.found);
+bool is_valid(const CameraState& state) {
+  return validity::is_bool(state.waits) && is_valid(state.found);
 }
 
 }  // namespace polhode

@@ -57,6 +57,6 @@ void run_camera_test(CameraJob* job);
 /// A test without a result changes nothing.
 void take_camera_test(const CameraFit& fit, CameraState* state);
 
-[[nodiscard]] bool is_sound(const CameraState& state);
+[[nodiscard]] bool is_valid(const CameraState& state);
 
 }  // namespace polhode

@@ -4,7 +4,7 @@
 #include <type_traits>
 
 #include "base/assert.hpp"
-#include "base/sound.hpp"
+#include "base/validity.hpp"
 #include "pipeline/soundness.hpp"
 #include "pipeline/storage.hpp"
 
@@ -187,7 +187,7 @@ bool take_values(Reader reader, Component::State* s) {
   POLHODE_ASSERT(taken, s->mapping.map.keyframe_count);
   take_used(&reader, &s->mapping.map.keyframes);
   take_used(&reader, &s->mapping.map.landmarks);
-  if (!sound::is_bool(lost.loop_open) || !sound::is_bool(lost.shape_asked) || !is_sound(*s)) {
+  if (!validity::is_bool(lost.loop_open) || !validity::is_bool(lost.shape_asked) || !is_valid(*s)) {
     return false;
   }
   s->mapping.growth.closed = lost.loop_open;
@@ -214,7 +214,7 @@ std::size_t checkpoint_octets_max() {
 }
 
 bool may_be_saved(const Component& component) {
-  return is_sound(*ComponentAccess::state(component));
+  return is_valid(*ComponentAccess::state(component));
 }
 
 std::size_t save_checkpoint(const Component& component, std::span<std::uint8_t> out) {

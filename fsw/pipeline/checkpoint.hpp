@@ -27,7 +27,7 @@ std::size_t save_checkpoint(const Component& component, std::span<std::uint8_t> 
 /// Into a component that has just been created. With a map in it, the component begins as one that
 /// has lost its target: it looks where the motion says, then everywhere.
 /// @return false, and the component is as it was created, when the octets are of another layout,
-/// cut off, or hold values that no component leaves (is_sound() of pipeline/soundness.hpp).
+/// cut off, or hold values that no component leaves (is_valid() of pipeline/soundness.hpp).
 bool restore_checkpoint(std::span<const std::uint8_t> octets, Component* component);
 
 }  // namespace polhode

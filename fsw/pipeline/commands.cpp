@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "base/crc.hpp"
-#include "base/sound.hpp"
-#include "base/time_doubt.hpp"
+#include "base/earlier_times.hpp"
+#include "base/validity.hpp"
 #include "bus/commands.hpp"
 #include "bus/dynamics_telemetry.hpp"
 #include "bus/event_reports.hpp"
@@ -80,7 +80,7 @@ Outcome set_range(const Command& command, Configuration* c, ScaleState* state) {
 
 Outcome take_attitude(const Command& command, ServicerAttitude* servicer) {
   const auto told = command.arguments<bus::ServicerAttitudeCommand>();
-  if (!sound::is_time(told.timestamp_ns)) {
+  if (!validity::is_time(told.timestamp_ns)) {
     return "time is beyond the year 2116";
   }
   if (servicer->known && told.timestamp_ns <= servicer->timestamp_ns &&

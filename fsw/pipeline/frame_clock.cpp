@@ -1,6 +1,6 @@
 #include "pipeline/frame_clock.hpp"
 
-#include "base/sound.hpp"
+#include "base/validity.hpp"
 
 namespace polhode {
 
@@ -9,8 +9,8 @@ Admission admit(std::int64_t timestamp_ns, FrameClock* clock, std::uint32_t* mis
   // Later, and by no more than a run lasts. What is later than that is a wrong time, too: taken for
   // right it would make all that has a time look damaged.
   const bool rises = !clock->time_known || (timestamp_ns > clock->timestamp_ns &&
-                                            sound::is_past(clock->timestamp_ns, timestamp_ns));
-  if (!sound::is_time(timestamp_ns) || (!rises && !outvotes(timestamp_ns, &clock->doubt))) {
+                                            validity::is_past(clock->timestamp_ns, timestamp_ns));
+  if (!validity::is_time(timestamp_ns) || (!rises && !outvotes(timestamp_ns, &clock->doubt))) {
     return Admission::kNotLater;
   }
   if (!rises) {

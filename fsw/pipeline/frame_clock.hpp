@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "base/time_doubt.hpp"
+#include "base/earlier_times.hpp"
 #include "image/arrival.hpp"
 
 namespace polhode {
@@ -14,7 +14,7 @@ struct FrameClock {
   std::uint32_t next_frame = 0;
   std::int64_t timestamp_ns = 0;  ///< of the last frame whose picture could be looked at
   bool time_known = false;
-  TimeDoubt doubt;
+  EarlierTimes doubt;
   ArrivalHistory arrivals;
 };
 

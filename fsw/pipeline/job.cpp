@@ -10,7 +10,7 @@ namespace {
 /// How each kind of work is done, and how it comes back without having been done.
 struct Run {
   void operator()(std::monostate) const {}
-  void operator()(StartJob* work) const { run_start(work); }
+  void operator()(InitialisationJob* work) const { run_initialisation(work); }
   void operator()(AdjustmentJob* work) const { run_adjustment(work); }
   void operator()(FitJob* work) const { run_fit(work); }
   void operator()(ShapeJob* work) const { run_shape(work); }
@@ -18,7 +18,7 @@ struct Run {
 };
 
 struct Skip {
-  void operator()(StartJob* work) const { skip_start(work); }
+  void operator()(InitialisationJob* work) const { skip_initialisation(work); }
   void operator()(AdjustmentJob* work) const { skip_adjustment(work); }
   template <typename Other>
   void operator()(Other /*work*/) const {}  // it has no result until it is run
@@ -51,7 +51,7 @@ void invalidate_fits(JobQueue* queue) {
 }
 
 void invalidate_start(JobQueue* queue) {
-  queue->map.unwanted = queue->map.unwanted || is_out_with<StartJob>(queue->map);
+  queue->map.unwanted = queue->map.unwanted || is_out_with<InitialisationJob>(queue->map);
 }
 
 void invalidate_all(JobQueue* queue) {

@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <variant>
 
-#include "initialisation/start_job.hpp"
+#include "initialisation/initialisation_job.hpp"
 #include "motion/fit_job.hpp"
 #include "pipeline/adjustment_job.hpp"
 #include "pipeline/camera_job.hpp"
@@ -21,8 +21,8 @@
 namespace polhode {
 
 /// What is to be done; nothing while the job is not out.
-using JobWork =
-    std::variant<std::monostate, StartJob*, AdjustmentJob*, FitJob*, ShapeJob*, CameraJob*>;
+using JobWork = std::
+    variant<std::monostate, InitialisationJob*, AdjustmentJob*, FitJob*, ShapeJob*, CameraJob*>;
 
 struct Job {
   JobWork work;
@@ -53,7 +53,7 @@ struct JobQueue {
   Job fit;
   Job shape;  ///< an estimate of the shape, or a test of the camera
   JobCounts counts;
-  StartJob start;
+  InitialisationJob start;
   AdjustmentJob adjustment;
   FitJob fit_work;
   ShapeJob shape_work;

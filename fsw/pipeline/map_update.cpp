@@ -4,8 +4,8 @@
 
 #include "geometry/so3.hpp"
 #include "map/grow.hpp"
-#include "map/soundness.hpp"
 #include "map/update.hpp"
+#include "map/validity.hpp"
 #include "motion/disturbance.hpp"
 #include "pipeline/adjustment.hpp"
 #include "pipeline/state.hpp"
@@ -24,7 +24,7 @@ void take_motion_of_map(const RigidModel& model,
   MapDrift& drift = mapping->drift;
   if (left) {
     replace_random_walk(left->covariance_C, &drift);
-    hold_turn(left->relative_speed_sigma, mapping->map.radius_mu, &drift);
+    constrain_turn(left->relative_speed_sigma, mapping->map.radius_mu, &drift);
   }
   if (reaches_over_reanchoring(*mapping)) {
     close_reanchoring(
@@ -42,7 +42,7 @@ MapCorrection take_over(MapState* mapping,
   // Meanwhile the motion that the poses were bound to may have ended.
   const bool bound = job.as_free_body && job.model.accepted();
   const bool ended = bound && (job.model_unwanted || motion->departures > 0);
-  const bool usable = job.usable && !ended && is_sound(job.snapshot);
+  const bool usable = job.usable && !ended && is_valid(job.snapshot);
   if (ended) {  // all of the map is adjusted anew, its poses free
     mapping->growth.any = true;
     mapping->last_adjustment_of_all = {};
@@ -124,7 +124,7 @@ void prepare_test(const Configuration& configuration,
   const std::uint32_t next = job.snapshot.next_keyframe_number;
   const bool due = next >= std::max(kKeyframesMin, 2 * camera->next_keyframe);
   if (due && job.of_all && job.usable && !is_out_with<CameraJob>(jobs->shape) && !memory_short &&
-      has_work_beside(configuration.parameters.jobs) && is_sound(job.snapshot)) {
+      has_work_beside(configuration.parameters.jobs) && is_valid(job.snapshot)) {
     const MapMotions motions = motions_of(job.snapshot);
     prepare_camera_test(camera_problem_of(motions, configuration.camera, &job.snapshot),
                         &jobs->camera);

@@ -106,7 +106,7 @@ std::uint32_t take_defaults(Configuration* c) {
 
 }  // namespace
 
-Mended mend_parameters(Configuration* configuration) {
+Repair mend_parameters(Configuration* configuration) {
   Configuration& c = *configuration;
   if (table_crc(c.parameters) == c.table_crc) {
     return {};

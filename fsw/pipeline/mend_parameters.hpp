@@ -2,7 +2,7 @@
 // the step before, and the CRC.
 #pragma once
 
-#include "base/mended.hpp"
+#include "base/repair.hpp"
 
 namespace polhode {
 
@@ -16,6 +16,6 @@ struct Configuration;
 /// Where that does not make a table that a component may start with, an assertion fails, so that
 /// the run begins anew from its configuration.
 /// @return none, where nothing was hit.
-Mended mend_parameters(Configuration* configuration);
+Repair mend_parameters(Configuration* configuration);
 
 }  // namespace polhode

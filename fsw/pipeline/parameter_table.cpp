@@ -66,7 +66,7 @@ constexpr ParameterRow kRows[] = {
   {POLHODE_OPTION(tracks.small_motion_max_px), 1.0, 100.0, "px",
    "features are tracked by optical flow up to this predicted image motion, beyond it detected and matched anew"},
 
-  {POLHODE_OPTION(start.frames_min), 3, limits::kStartFrames, "",
+  {POLHODE_OPTION(start.frames_min), 3, limits::kInitialFrames, "",
    "frames collected before the first hypothesis selection for a map; more: later and safer"},
   {POLHODE_OPTION(start.chi2_gap_commit), 9.0, 1000.0, "",
    "cost margin (chi-square) by which rivals of the chosen hypothesis, such as its depth-reversed solution, must be worse; 25: 5 sigma"},
@@ -372,7 +372,7 @@ std::optional<Error> check_without_camera(const Parameters& parameters) {
   if (auto problem = check_section(parameters, false)) {
     return problem;
   }
-  const StartOptions& start = parameters.start;
+  const InitialOptions& start = parameters.start;
   if (start.chi2_gap_convexity > start.chi2_gap_commit) {
     return bad("start.chi2_gap_convexity = " + text_of(start.chi2_gap_convexity) +
                ": out of range, allowed 4.0 .. " + text_of(start.chi2_gap_commit) +

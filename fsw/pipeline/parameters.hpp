@@ -43,7 +43,7 @@ struct Parameters {
   MaskOptions mask;
   FeatureOptions features;
   TrackOptions tracks;
-  StartOptions start;
+  InitialOptions start;
   LocaliseOptions localise;
   MapOptions map;
   ShapeOptions shape;

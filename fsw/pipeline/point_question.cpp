@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <cmath>
 
-#include "base/sound.hpp"
+#include "base/validity.hpp"
 #include "bus/commands.hpp"
 #include "bus/dynamics_telemetry.hpp"
 #include "geometry/so3.hpp"
@@ -31,7 +31,7 @@ std::string_view objection(const PointQuestion& asked, const Component::State& s
   if (norm != 0.0 && !(std::abs(norm - 1.0) < bus::kNormTolerance)) {
     return "normal is no unit vector";
   }
-  if (!sound::is_time(asked.timestamp_ns) || asked.timestamp_ns < s.clock.timestamp_ns) {
+  if (!validity::is_time(asked.timestamp_ns) || asked.timestamp_ns < s.clock.timestamp_ns) {
     return "time is before the last frame";
   }
   if (asked.target_frame != s.mapping.target_frame) {

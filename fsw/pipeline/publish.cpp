@@ -100,9 +100,10 @@ MotionState motion_state(std::int64_t timestamp_ns,
   m.keyframes = bus::clipped(static_cast<std::size_t>(mapping.map.keyframe_count));
   std::array<double, 4> q_last = s.bus.q_CT_last;
   if (mapping.pose_valid) {
-    m.doubted = !mapping.doubted.isZero(0.0);
+    m.doubted = !mapping.inconsistency.isZero(0.0);
     const AbsolutePose& found = mapping.localised.absolute;
-    const PoseCovariance in_all = found.covariance + covariance(mapping.drift) + mapping.doubted;
+    const PoseCovariance in_all =
+        found.covariance + covariance(mapping.drift) + mapping.inconsistency;
     fill_pose_in_unit(found.pose, in_all, errors, &q_last, &m);
     const Result<RateEstimate> rates =
         rates_now(s.motion, mapping.drift, s.configuration.parameters.motion);

@@ -58,7 +58,7 @@ void take_result(Job* job, Component::State* s) {
   if (job->unwanted) {
     return;
   }
-  if (std::holds_alternative<StartJob*>(work)) {
+  if (std::holds_alternative<InitialisationJob*>(work)) {
     take_start(s);
   } else if (std::holds_alternative<AdjustmentJob*>(work)) {
     take_adjustment(s);

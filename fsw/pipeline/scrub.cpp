@@ -1,48 +1,48 @@
 #include "pipeline/scrub.hpp"
 
-#include "base/sound.hpp"
+#include "base/validity.hpp"
 #include "bus/event_reports.hpp"
 #include "bus/mend.hpp"
-#include "map/mend.hpp"
-#include "map/soundness.hpp"
+#include "map/repair.hpp"
+#include "map/validity.hpp"
 #include "motion/mend.hpp"
 #include "motion/soundness.hpp"
 #include "pipeline/mend_parameters.hpp"
 #include "pipeline/reset.hpp"
 #include "pipeline/state.hpp"
-#include "shape/soundness.hpp"
+#include "shape/validity.hpp"
 
 namespace polhode {
 namespace {
 
-void report_damage(std::string_view table, const Mended& mended, BusState* bus) {
+void report_damage(std::string_view table, const Repair& repaired, BusState* bus) {
   ++bus->tables_damaged;
   bus::event::table_damaged({.table = table,
-                             .entries = static_cast<std::uint32_t>(mended.entries),
-                             .reset = mended.reset},
+                             .entries = static_cast<std::uint32_t>(repaired.entries),
+                             .reset = repaired.reset},
                             &bus->events);
 }
 
 /// @return whether the target is to be reset.
 bool scrub_configuration(Configuration* c, BusState* bus) {
-  const Mended mended = mend_parameters(c);
-  if (mended.any()) {
-    report_damage("parameter table", mended, bus);
+  const Repair repaired = mend_parameters(c);
+  if (repaired.any()) {
+    report_damage("parameter table", repaired, bus);
   }
   c->spare = c->parameters;
   c->camera = to_model(c->parameters.camera);
-  return mended.reset;
+  return repaired.reset;
 }
 
 /// @return whether the target is to be reset.
 bool scrub_mode(FrameClock* clock, ModeState* mode, BusState* bus) {
-  const bool known = sound::is_enum(mode->now, kLastMode);
-  const bool held = sound::mend(&mode->held);
-  const bool mended = sound::mend(&clock->time_known) || held;
+  const bool known = validity::is_enum(mode->now, kLastMode);
+  const bool held = validity::repair(&mode->held);
+  const bool repaired = validity::repair(&clock->time_known) || held;
   if (!known) {
     mode->now = Mode::kIdle;
   }
-  if (mended || !known) {
+  if (repaired || !known) {
     report_damage("mode", {.entries = 1, .reset = !known}, bus);
   }
   return !known;
@@ -51,8 +51,8 @@ bool scrub_mode(FrameClock* clock, ModeState* mode, BusState* bus) {
 /// The map, with the drift, which nothing else tells.
 /// @return whether the target is to be reset.
 bool scrub_map(const CameraModel& camera, std::int64_t now_ns, MapState* mapping, BusState* bus) {
-  Mended map = mend(camera, now_ns, &mapping->map);
-  if (!is_sound(mapping->drift)) {
+  Repair map = repair(camera, now_ns, &mapping->map);
+  if (!is_valid(mapping->drift)) {
     map = {.entries = map.entries + 1, .reset = true};
   }
   if (map.any()) {
@@ -65,22 +65,22 @@ bool scrub_map(const CameraModel& camera, std::int64_t now_ns, MapState* mapping
 /// What rests on the map: the reference of optical flow, and the motion.
 void scrub_motion(
     std::int64_t now_ns, MapState* mapping, MotionEstimate* motion, JobQueue* jobs, BusState* bus) {
-  if (!is_sound(mapping->reference, mapping->map)) {
+  if (!is_valid(mapping->reference, mapping->map)) {
     mapping->reference.valid = false;
     mapping->reference.gray_to_come = false;
     mapping->reference.pose = {};
     mapping->reference.points.clear();
     report_damage("flow reference", {.entries = 1, .reset = true}, bus);
   }
-  const Mended mended = mend(now_ns, motion);
-  if (mended.any()) {
+  const Repair repaired = repair(now_ns, motion);
+  if (repaired.any()) {
     invalidate_fits(jobs);
-    report_damage("motion", mended, bus);
+    report_damage("motion", repaired, bus);
   }
 }
 
 void scrub_tracks(InitialisationState* initialisation, JobQueue* jobs, BusState* bus) {
-  if (!is_sound(*initialisation)) {
+  if (!is_valid(*initialisation)) {
     clear(initialisation);
     invalidate_start(jobs);
     report_damage("tracks", {.reset = true}, bus);
@@ -90,7 +90,7 @@ void scrub_tracks(InitialisationState* initialisation, JobQueue* jobs, BusState*
 /// A table that nothing else rests on.
 template <typename Table>
 void scrub_table(std::string_view name, Table* table, BusState* bus) {
-  if (!is_sound(*table)) {
+  if (!is_valid(*table)) {
     *table = {};
     report_damage(name, {.reset = true}, bus);
   }
@@ -115,8 +115,8 @@ void scrub(Component::State* s) {
   scrub_table("shape", &s->shape, bus);
   scrub_table("scale", &s->scale, bus);
   scrub_table("test of the camera", &s->camera, bus);
-  if (const Mended mended = mend(bus); mended.any()) {
-    report_damage("bus", mended, bus);
+  if (const Repair repaired = repair(bus); repaired.any()) {
+    report_damage("bus", repaired, bus);
   }
 }
 

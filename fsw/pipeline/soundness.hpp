@@ -7,6 +7,6 @@ namespace polhode {
 
 /// Asks each room, and whether the parameters are the ones whose CRC is beside them, in their
 /// ranges.
-bool is_sound(const Component::State& state);
+bool is_valid(const Component::State& state);
 
 }  // namespace polhode

@@ -128,7 +128,7 @@ void estimate_motion(Component::State* s) {
     const MotionOptions& options = s->configuration.parameters.motion;
     const AbsolutePose& found = s->mapping.localised.absolute;
     const bool fit_is_due =
-        s->mapping.pose_teaches &&
+        s->mapping.pose_updates_motion &&
         remember_pose(s->clock.timestamp_ns, found.pose, found.covariance, options, &s->motion);
     if (fit_is_due && !is_out(s->jobs.fit)) {
       prepare_fit(s->mapping.map, s->mapping.drift, options, &s->motion, &s->jobs.fit_work);

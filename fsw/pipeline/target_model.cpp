@@ -8,8 +8,8 @@
 #include <type_traits>
 
 #include "base/assert.hpp"
-#include "base/sound.hpp"
-#include "map/soundness.hpp"
+#include "base/validity.hpp"
+#include "map/validity.hpp"
 #include "motion/soundness.hpp"
 #include "pipeline/reset.hpp"
 #include "pipeline/state.hpp"
@@ -97,8 +97,8 @@ void put_head(Archive* a, H& head) {
   auto& body = f.body;
   put(a, body.known, body.shape, body.shape_sigma, body.mass_centre_T, body.mass_centre_sigma);
   auto& d = head.drift;
-  put(a, d.walk, d.held, d.reanchoring, d.reanchored_keyframe, d.R_first_CT);
-  put(a, d.start_turn_sigma, d.start_sigma_mu, d.start_turn_rad, d.turn_rad);
+  put(a, d.walk, d.fixed, d.reanchoring, d.reanchored_keyframe, d.R_first_CT);
+  put(a, d.initial_turn_sigma, d.initial_sigma_mu, d.initial_turn_rad, d.turn_rad);
 }
 
 /// @param created, seen  keyframes, by their rank in age.
@@ -232,11 +232,11 @@ bool is_error(const PoseCovariance& covariance) {
   return Eigen::LDLT<PoseCovariance>(covariance).isPositive();
 }
 
-bool is_sound(const Head& head) {
+bool is_valid(const Head& head) {
   const MapDrift& d = head.drift;
-  return sound::is_at_least(head.facts.metres_per_mu, 1e-12) &&
-         sound::is_at_least(head.facts.scale_sigma, 0.0) && polhode::is_sound(head.facts.body) &&
-         polhode::is_sound(d) && is_error(d.walk) && is_error(d.held) && is_error(d.reanchoring) &&
+  return validity::is_at_least(head.facts.metres_per_mu, 1e-12) &&
+         validity::is_at_least(head.facts.scale_sigma, 0.0) && polhode::is_valid(head.facts.body) &&
+         polhode::is_valid(d) && is_error(d.walk) && is_error(d.fixed) && is_error(d.reanchoring) &&
          d.reanchored_keyframe < head.facts.keyframes;
 }
 
@@ -256,7 +256,7 @@ bool read_keyframe(const CameraModel& camera, Reader* in, Map* map) {
   put_keyframe(in, keyframe, age_ns, features);
   keyframe.timestamp_ns = -age_ns;
   keyframe.frame = UINT32_MAX;  // of no frame of this run
-  if (!in->good() || age_ns < 0 || age_ns > sound::kTimeMax_ns / 2 ||
+  if (!in->good() || age_ns < 0 || age_ns > validity::kTimeMax_ns / 2 ||
       features > keyframe.features.capacity()) {
     return false;
   }
@@ -290,7 +290,7 @@ const char* read_all(Reader in, const CameraModel& camera, Head* head, Map* map)
   for (std::uint32_t k = 0; k < head->facts.keyframes && good; ++k) {
     good = read_keyframe(camera, &in, map);
   }
-  good = good && in.at_end() && head->facts.keyframes > 0 && is_sound(*head);
+  good = good && in.at_end() && head->facts.keyframes > 0 && is_valid(*head);
   return good ? nullptr : "cut off, or with values that no run leaves";
 }
 
@@ -343,10 +343,10 @@ Result<TargetModelFacts> load_target_model(std::span<const std::uint8_t> octets,
   Head head;
   const CameraModel& camera = s->configuration.camera;
   const char* refusal = read_all(Reader(octets), camera, &head, &map);
-  if (refusal == nullptr && is_sound(map, camera, 0)) {
+  if (refusal == nullptr && is_valid(map, camera, 0)) {
     refresh_landmarks(&map, camera);
   }
-  if (refusal == nullptr && !is_sound(map, camera, 0)) {
+  if (refusal == nullptr && !is_valid(map, camera, 0)) {
     refusal = "with values that no run leaves";
   }
   if (refusal != nullptr) {

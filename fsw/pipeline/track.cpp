@@ -32,7 +32,7 @@ FoundBy find_pose(const std::optional<ExpectedPose>& expected, Component::State*
   const std::optional<ExpectedPose> from_departed = expected_from_departed(
       s->motion, mapping->drift, s->configuration.parameters.motion, s->clock.timestamp_ns);
   if ((expected && find_about(input, *expected, mapping)) ||
-      (from_departed && find_about_departed(input, *from_departed, mapping)) ||
+      (from_departed && find_about_inconsistent(input, *from_departed, mapping)) ||
       (relocalise_frame(input, mapping) && (!expected || believable(*expected, false, *mapping)) &&
        !is_ambiguous(input, expected, mapping))) {
     return FoundBy::kFeatures;
@@ -49,7 +49,7 @@ FoundBy find_pose(const std::optional<ExpectedPose>& expected, Component::State*
   if (!has_target(s->mode) || !expected) {
     return FoundBy::kNothing;
   }
-  const bool held = hold_about(input, *expected, mapping);
+  const bool held = find_with_prior(input, *expected, mapping);
   if (overrule_motion(input, *expected, held, mapping)) {
     return FoundBy::kFeatures;
   }
@@ -99,13 +99,13 @@ std::optional<std::int64_t> judge(const std::optional<ExpectedPose>& expected,
                                       .covariance = with_clutter(mapping->localised)},
                                      motion);
   if (repeated) {
-    mapping->pose_teaches = false;
+    mapping->pose_updates_motion = false;
     if (expected) {
-      doubt_pose(expected->prediction, mapping);
+      mark_inconsistent(expected->prediction, mapping);
     }
     return std::nullopt;
   }
-  if (expected ? jumps_by_drift(*expected, *mapping) : comes_back(*mapping)) {
+  if (expected ? jumps_by_drift(*expected, *mapping) : is_revisited(*mapping)) {
     pass_over_pose(motion);
     return std::nullopt;
   }
@@ -118,7 +118,7 @@ std::optional<std::int64_t> judge(const std::optional<ExpectedPose>& expected,
     invalidate_fits(jobs);
   }
   if (expected && motion->departures > 0) {
-    doubt_pose(expected->prediction, mapping);
+    mark_inconsistent(expected->prediction, mapping);
   }
   return judgement.withdrawn_ns;
 }
@@ -135,7 +135,7 @@ void withdraw(std::int64_t timestamp_ns, MapState* mapping) {
 /// grows where as many agree as a pose of its own needs.
 void keep_hold(Component::State* s) {
   MapState* mapping = &s->mapping;
-  mapping->pose_teaches = false;
+  mapping->pose_updates_motion = false;
   const int inliers_min = s->configuration.parameters.localise.inliers_min;
   if (s->picture.verdict.decision == FrameDecision::kUse &&
       mapping->localised.absolute.inliers >= inliers_min && may_grow(*s)) {
@@ -190,7 +190,7 @@ void track(const std::optional<PosePrediction>& predicted, Component::State* s) 
     mapping->before.inliers = found.inliers;
   }
   const bool may_teach =
-      s->picture.verdict.decision == FrameDecision::kUse && mapping->pose_teaches;
+      s->picture.verdict.decision == FrameDecision::kUse && mapping->pose_updates_motion;
   if (may_teach) {
     count_observations(s->configuration.camera, found_by == FoundBy::kFlow, mapping);
   }

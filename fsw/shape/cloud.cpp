@@ -10,13 +10,13 @@
 namespace polhode {
 namespace {
 
-// The fourth nearest, not the first: features come in clumps.
+// Neighbour whose distance gives the spacing: not the nearest, as features come in clumps.
 constexpr std::size_t kNeighbour = 4;
 // For random points on a plane the mean distance to the k-th nearest goes as
 // Gamma(k + 1/2) / Gamma(k). The ratio of k = 4 to k = 1 is 1.939 / 0.886.
 constexpr double kFourthOverFirst = 2.19;
 
-/// Number of the cube that holds a coordinate. Far points share the outermost cubes.
+/// Number of the cube that contains a coordinate. Far points share the outermost cubes.
 std::int64_t cube(double coordinate, double edge) {
   // Keeps the conversion to an integer defined. A body spans far fewer cubes.
   constexpr double kCubeMax = 1'000'000.0;

@@ -26,7 +26,7 @@ using CloudIndices = PointIndices;
 
 /// Workspace, owned by the caller. Holds nothing between calls.
 struct CloudScratch {
-  CloudIndices indices;  ///< what a search has found; an order of all points
+  CloudIndices indices;  ///< result of a search; an order of all points
   FixedVector<Eigen::Vector3d, limits::kCloudPoints> points_T;
 };
 
@@ -42,18 +42,18 @@ Result<double> median_spacing(std::span<const Eigen::Vector3d> points_T);
 /// @return number removed.
 std::size_t remove_outliers(double radius, int neighbours_min, CloudScratch& scratch, Cloud& cloud);
 
-/// Numbers of the cube of edge `edge` that holds a point, as homogenise() divides space.
+/// Numbers of the cube of edge `edge` that contains a point, as homogenise() divides space.
 std::array<std::int64_t, 3> cube_of(const Eigen::Vector3d& point_T, double edge);
 
-/// One point, the mean, for each occupied cube of edge `edge`; ordered by cube.
-/// @return number of points gone.
+/// Replaces the points of each occupied cube of edge `edge` by their mean; ordered by cube.
+/// @return number of points removed.
 std::size_t homogenise(double edge, CloudScratch& scratch, Cloud& cloud);
 
 /// Mean of all points. The cloud must not be empty.
 Eigen::Vector3d centroid_T(std::span<const Eigen::Vector3d> points_T);
 
-/// Landmarks to cloud: outliers removed, homogenised. The last landmarks are left out where the
-/// table is full, and those that are not finite always.
+/// Landmarks to cloud: outliers removed, homogenised. Non-finite landmarks are left out, and the
+/// last ones where the table is full.
 /// @return the spacing of the landmarks.
 /// @errors TooFewObservations, Degenerate (see median_spacing(), or nothing is left).
 Result<double> denoise(std::span<const Eigen::Vector3d> landmarks_T,

@@ -9,18 +9,19 @@
 namespace polhode {
 namespace {
 
-// A larger gap than this is filled. Random points of one per squared pitch leave such a gap by
+// Radius of a hole that is filled. Random points of one per squared pitch leave such a hole by
 // chance in exp(-pi 1.2^2), 1 % of the places.
 constexpr double kHole_pitches = 1.2;
-// Points of adjoining sides pull a plane inwards near the edges, by about this part of its rms.
+// Bias of a plane, as a part of its rms: points of adjoining faces pull it inwards near the edges.
 // Chosen; larger widens the sigmas of all lengths.
 constexpr double kEdgePull = 0.2;
-// A plane this near to where the points end, in lengths of the body, is a side. Chosen; larger
-// takes steps and recesses for sides, smaller misses sides with points of attachments beyond them.
-constexpr double kSideDepthMax = 0.1;
-// Points end up to a whole gap before the edge, half a gap in the mean.
+// Largest distance of a face's plane from the end of the points, in lengths of the body. Chosen;
+// larger takes steps and recesses for faces, smaller misses faces with points of attachments beyond
+// them.
+constexpr double kFaceDepthMax = 0.1;
+// Points end up to a whole spacing before the edge, half a spacing in the mean.
 constexpr double kEndSigma_spacings = 0.5;
-// A box thinner than two gaps is not resolved by its points.
+// A box thinner than two spacings is not resolved by its points.
 constexpr double kBoxMin_spacings = 2.0;
 
 struct Filler {
@@ -50,28 +51,28 @@ Filler start_filling(double pitch, Cloud& cloud) {
   return {.measured = PointTree(cloud.points_T.view()), .pitch = pitch, .cloud = cloud};
 }
 
-/// Cells of about `pitch` over a length, bounded by the table that they fill.
+/// Number of cells of about `pitch` over a length, bounded by the table that they fill.
 int cells(double length, double pitch) {
   return static_cast<int>(
       std::clamp(std::round(length / pitch), 1.0, static_cast<double>(limits::kCloudPoints)));
 }
 
-struct Side {
+struct Face {
   double position = 0.0;  // along the axis
   double sigma = 0.0;
   bool found = false;
 };
 
-/// The box's side at one end of an axis: the plane with most points of those near that end. Without
-/// one, where the points end.
-Side find_side(const Planes& planes,
+/// The box's face at one end of an axis: the plane with most points among those near that end.
+/// Without one, the end of the points.
+Face find_face(const Planes& planes,
                const Eigen::Vector3d& axis_T,
                const Extent& extent,
                double sign,
                double spacing) {
   const double end = sign > 0.0 ? extent.most : extent.least;
-  const double depth_max = std::max(kSideDepthMax * (extent.most - extent.least), spacing);
-  Side side{.position = end, .sigma = kEndSigma_spacings * spacing};
+  const double depth_max = std::max(kFaceDepthMax * (extent.most - extent.least), spacing);
+  Face face{.position = end, .sigma = kEndSigma_spacings * spacing};
   std::size_t inliers = 0;
   for (const Plane& plane : planes) {
     const double cosine = plane.normal_T.dot(axis_T);
@@ -79,12 +80,12 @@ Side find_side(const Planes& planes,
     if (std::abs(cosine) >= kParallelCosineMin && std::abs(position - end) <= depth_max &&
         plane.inliers > inliers) {
       inliers = plane.inliers;
-      side = {.position = position,
+      face = {.position = position,
               .sigma = std::hypot(std::sqrt(plane.covariance(2, 2)), kEdgePull * plane.rms),
               .found = true};
     }
   }
-  return side;
+  return face;
 }
 
 /// Distance of a point in box coordinates (from the centre) to the box's surface.
@@ -121,8 +122,8 @@ Result<Box> find_box(const Cloud& cloud, const Planes& planes, double spacing, d
       POLHODE_ASSERT(along.push_back(box.R_TB.col(k).dot(point_T)), along.size());
     }
     const Extent extent = robust_extent(along.view());
-    const Side low = find_side(planes, box.R_TB.col(k), extent, -1.0, spacing);
-    const Side high = find_side(planes, box.R_TB.col(k), extent, 1.0, spacing);
+    const Face low = find_face(planes, box.R_TB.col(k), extent, -1.0, spacing);
+    const Face high = find_face(planes, box.R_TB.col(k), extent, 1.0, spacing);
     box.face_found[static_cast<std::size_t>(2 * k)] = low.found;
     box.face_found[static_cast<std::size_t>(2 * k + 1)] = high.found;
     centre_B(k) = 0.5 * (low.position + high.position);
@@ -145,7 +146,7 @@ Result<Box> find_box(const Cloud& cloud, const Planes& planes, double spacing, d
 
 int snap_ends(const Planes& planes, Cylinder& cylinder) {
   Extent ends{.least = -0.5 * cylinder.length, .most = 0.5 * cylinder.length};
-  const double depth_max = kSideDepthMax * cylinder.length;
+  const double depth_max = kFaceDepthMax * cylinder.length;
   bool low_found = false;
   bool high_found = false;
   // In reverse order: the plane with most points comes last and overrides.
@@ -195,7 +196,7 @@ std::size_t complete_cylinder(const Cylinder& cylinder, double pitch, Cloud& clo
   Filler filler = start_filling(pitch, cloud);
   const Eigen::Vector3d e1 = cylinder.axis_T.unitOrthogonal();
   const Eigen::Vector3d e2 = cylinder.axis_T.cross(e1);
-  /// Ring of evenly spaced points; false when the table is full.
+  /// Adds a ring of evenly spaced points; false when the table is full.
   const auto ring = [&](double radius, double height) {
     const int count = cells(2.0 * std::numbers::pi * radius, pitch);
     for (int i = 0; i < count; ++i) {

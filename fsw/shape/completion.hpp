@@ -1,5 +1,5 @@
-// Completion: fills unseen and broken sides with points of the cloud's own density. The centroid of
-// the complete body is nearer to its geometric centre than that of the sides that were seen.
+// Completion: fills unseen and broken faces with points of the cloud's own density. The centroid of
+// the complete body is nearer to its geometric centre than that of the faces that were seen.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,9 +15,8 @@
 
 namespace polhode {
 
-// A box or a cylinder must explain this part of the points; dents and small attachments take the
-// rest. Chosen: lower makes a box out of panels, higher refuses bodies with
-// attachments.
+// Least part of the points that a box or a cylinder must explain; dents and small attachments are
+// the rest. Chosen: lower makes a box out of panels, higher refuses bodies with attachments.
 inline constexpr double kExplainedMin = 0.7;
 
 enum class CompletionKind : std::uint8_t { kNone = 0, kBox = 1, kCylinder = 2 };
@@ -32,7 +31,7 @@ struct Box {
   double explained = 0.0;            ///< part of the points within the band of its surface
 };
 
-/// Box from planes; two must be orthogonal. A side without a plane ends where the points end.
+/// Box from planes; two must be orthogonal. A face without a plane ends where the points end.
 /// @param tolerance  points this near to the box's surface are explained by it.
 /// @errors Degenerate (no two orthogonal planes), NoConsensus (too few points lie on
 /// the box: it is another body, or carries panels).
@@ -43,13 +42,13 @@ Result<Box> find_box(const Cloud& cloud, const Planes& planes, double spacing, d
 /// @return number of ends found, 0 .. 2.
 int snap_ends(const Planes& planes, Cylinder& cylinder);
 
-/// Adds points on the box's sides where the cloud has none near. Ends where the table is full.
+/// Adds points on the box's faces where the cloud has none near. Stops where the table is full.
 /// @param pitch  distance of added points from each other: 1 / sqrt(points per area) of the
-/// measured sides.
+/// measured faces.
 /// @return number added.
 std::size_t complete_box(const Box& box, double pitch, Cloud& cloud);
 
-/// As above, the round surface, and both ends where one of them was found.
+/// As above for the cylinder: its round surface, and both ends where one of them was found.
 std::size_t complete_cylinder(const Cylinder& cylinder, double pitch, Cloud& cloud);
 
 /// Part of the measured points within `tolerance` of the cylinder's round surface or ends.

@@ -16,21 +16,22 @@
 namespace polhode {
 namespace {
 
-// cos 30 deg: room for the noise of a normal from a few neighbours, and for curvature among them.
+// Cosine of the largest angle between a point's normal and the radial direction, 30 deg: room for
+// the noise of a normal from a few neighbours, and for curvature among them.
 constexpr double kRadialCosineMin = 0.866;
-// Two directions less than 17 deg apart do not fix an axis: their noise is 5 to 7 deg
-// (decision 0053).
+// Least angle between two normals of a hypothesis. Under 17 deg they do not determine an axis:
+// their noise is 5 to 7 deg (decision 0053).
 constexpr double kAxisSineMin = 0.3;
-// One axis from all normals, three from the spread of the points (decision 0053). An axis
-// from two noisy normals leaves the surface within the length. Every other hypothesis takes one of
-// these, in turn.
+// Axes by the whole cloud: one from all normals, three from the spread of the points (decision
+// 0053). An axis from two noisy normals deviates from the surface within the length. Every other
+// hypothesis takes one of these, in turn.
 constexpr std::size_t kVotedAxes = 4;
 // Reweighted eigenvector solutions. Chosen; fewer may stop early, more cost little.
 constexpr int kVoteRounds = 10;
 // Sine of 6 deg, the noise of a normal (5 to 7 deg, decision 0053).
 constexpr double kVoteSoftness = 0.1;
-// A hypothesis with this part of the best support is refined before the comparison. Chosen; smaller
-// refines more and costs more, larger discards good starts with a noisy axis.
+// Part of the best support from which a hypothesis is refined before the comparison. Chosen;
+// smaller refines more and costs more, larger discards good hypotheses with a noisy axis.
 constexpr double kPromising = 0.7;
 // Chosen: Gauss-Newton steps of a hypothesis, and of the best one until its band has settled.
 constexpr int kRefinementsEach = 3;
@@ -43,7 +44,7 @@ constexpr std::size_t kSectorsMin = kSectors / 4;
 // chance.
 constexpr double kCylinderBandPartMin = 0.3;
 constexpr double kCylinderBand_sigmas = 3.0;
-// Five unknowns, and one point to judge them by.
+// Five unknowns, and one point to check them.
 constexpr std::size_t kFitPointsMin = 6;
 // Planes draw from the streams below limits::kPlanes; this one differs from all of them.
 constexpr std::uint64_t kRngStream = 100;
@@ -55,7 +56,7 @@ struct CylinderSupport {
   std::span<const Eigen::Vector3d> points_T;
   const SurfaceNormals& normals;
 
-  [[nodiscard]] bool holds(const Cylinder& c, double band, std::size_t i) const {
+  [[nodiscard]] bool contains(const Cylinder& c, double band, std::size_t i) const {
     const Eigen::Vector3d apart = points_T[i] - c.centre_T;
     const Eigen::Vector3d radial = apart - c.axis_T * c.axis_T.dot(apart);
     const double distance = radial.norm();
@@ -66,7 +67,7 @@ struct CylinderSupport {
   [[nodiscard]] std::size_t count(const Cylinder& c, double band) const {
     std::size_t sum = 0;
     for (std::size_t i = 0; i < points_T.size(); ++i) {
-      sum += holds(c, band, i) ? 1U : 0U;
+      sum += contains(c, band, i) ? 1U : 0U;
     }
     return sum;
   }
@@ -80,7 +81,7 @@ Eigen::Vector3d axis_of_directions(const SurfaceNormals& normals, const CloudInd
     Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
     for (const std::uint16_t i : directed) {
       const Eigen::Vector3d& n = normals[i].normal_T;
-      const double off = n.dot(axis);  // 0 at first: all count alike
+      const double off = n.dot(axis);  // 0 at first: equal weights
       const double weight = 1.0 / (1.0 + off * off / (kVoteSoftness * kVoteSoftness));
       scatter += weight * n * n.transpose();
     }
@@ -91,7 +92,7 @@ Eigen::Vector3d axis_of_directions(const SurfaceNormals& normals, const CloudInd
 
 using Axes = std::array<Eigen::Vector3d, kVotedAxes>;
 
-/// Axes that the whole cloud suggests: across its surface directions, and along its spread.
+/// Candidate axes by the whole cloud: orthogonal to its normals, and along its spread.
 Axes voted_axes(const CylinderSupport& support, const CloudIndices& directed) {
   const Eigen::Vector3d mean_T = centroid_T(support.points_T);
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
@@ -105,7 +106,7 @@ Axes voted_axes(const CylinderSupport& support, const CloudIndices& directed) {
           eigen.eigenvectors().col(1)};
 }
 
-/// Circle across the axis through three points. None where they all but lie on a line.
+/// Circle across the axis through three points. Nothing where they are nearly collinear.
 std::optional<Cylinder> circle_through(const Eigen::Vector3d& axis_T,
                                        const Eigen::Vector3d& p,
                                        const Eigen::Vector3d& q,
@@ -124,7 +125,7 @@ std::optional<Cylinder> circle_through(const Eigen::Vector3d& axis_T,
   return Cylinder{.axis_T = axis_T, .centre_T = p + to_centre, .radius = to_centre.norm()};
 }
 
-/// Axis: one of the voted ones, or across two points' directions. Circle: through three points.
+/// Axis: one of the candidates, or orthogonal to two normals. Circle: through three points.
 std::optional<Cylinder> hypothesis(const CylinderSupport& support,
                                    const CloudIndices& directed,
                                    const Axes& axes,
@@ -144,13 +145,13 @@ std::optional<Cylinder> hypothesis(const CylinderSupport& support,
   return circle_through(axis_T, support.points_T[a], support.points_T[b], support.points_T[c]);
 }
 
-/// Which of `count` equal sectors a direction lies in.
+/// Index of the sector, of `count` equal ones, that a direction lies in.
 std::size_t sector(double y, double x, std::size_t count) {
   const double turn = std::atan2(y, x) / (2.0 * std::numbers::pi) + 0.5;
   return std::min(count - 1, static_cast<std::size_t>(turn * static_cast<double>(count)));
 }
 
-/// How the distance from the round surface changes with tilts, shifts across the axis and radius;
+/// Derivatives of the distance from the round surface by tilts, shifts across the axis and radius;
 /// e1, e2 across the axis.
 Vector5 derivative(const Cylinder& c,
                    const Eigen::Vector3d& e1,
@@ -181,7 +182,7 @@ bool refine(const CylinderSupport& support, double band, Cylinder& c, Normal5* i
   double square = 0.0;
   c.inliers = 0;
   for (std::size_t i = 0; i < support.points_T.size(); ++i) {
-    if (!support.holds(c, band, i)) {
+    if (!support.contains(c, band, i)) {
       continue;
     }
     const double residual = c.distance(support.points_T[i]);
@@ -208,7 +209,7 @@ bool refine(const CylinderSupport& support, double band, Cylinder& c, Normal5* i
   return c.radius > 0.0;
 }
 
-/// Of the five unknowns, from the scatter of patches. Not less than white noise would give.
+/// Covariance of the five unknowns, from the scatter of patches. Not less than by white noise.
 Normal5 covariance_of(const CylinderSupport& support,
                       double band,
                       const Normal5& information,
@@ -221,7 +222,7 @@ Normal5 covariance_of(const CylinderSupport& support,
   const Eigen::Vector3d e2 = c.axis_T.cross(e1);
   GroupedCovariance<5, kAround * kAlong> grouped;
   for (std::size_t i = 0; i < support.points_T.size(); ++i) {
-    if (!support.holds(c, band, i)) {
+    if (!support.contains(c, band, i)) {
       continue;
     }
     const Eigen::Vector3d apart = support.points_T[i] - c.centre_T;
@@ -249,12 +250,12 @@ void describe(const CylinderSupport& support,
   c.inliers = 0;
   c.beside = 0;
   for (std::size_t i = 0; i < support.points_T.size(); ++i) {
-    if (support.holds(c, band, i)) {
+    if (support.contains(c, band, i)) {
       const Eigen::Vector3d apart = support.points_T[i] - c.centre_T;
       sectors.set(sector(apart.dot(e2), apart.dot(e1), kSectors));
       POLHODE_ASSERT(heights.push_back(c.axis_T.dot(apart)), i);
       ++c.inliers;
-    } else if (support.holds(c, 2.0 * search_band, i)) {
+    } else if (support.contains(c, 2.0 * search_band, i)) {
       ++c.beside;
     }
   }
@@ -272,7 +273,7 @@ void describe(const CylinderSupport& support,
   c.sigma_radius = std::sqrt(std::max(0.0, covariance(4, 4)));
 }
 
-/// Support, negative, for the least is the best. Promising hypotheses are refined first.
+/// Score of a hypothesis: its negative support. Promising hypotheses are refined first.
 double score(const CylinderSupport& support, double band, double enough, Cylinder* c) {
   c->inliers = support.count(*c, band);
   if (static_cast<double>(c->inliers) < kPromising * -enough) {
@@ -337,7 +338,7 @@ Result<Cylinder> find_cylinder(std::span<const Eigen::Vector3d> points_T,
                       search.distance_max);
   }
   describe(support, band, search.distance_max, information, best);
-  // Less a margin for rounding.
+  // less a margin for rounding
   const double coverage_min_rad = 2.0 * std::numbers::pi * kSectorsMin / kSectors - 1e-9;
   if (best.inliers < search.inliers_min || best.coverage_rad < coverage_min_rad) {
     return ErrorCode::kNoConsensus;

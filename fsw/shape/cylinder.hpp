@@ -33,14 +33,14 @@ struct Cylinder {
 
 struct CylinderSearch {
   double distance_max = 0.0;     ///< of an inlier from the surface, cloud's unit
-  std::size_t inliers_min = 20;  ///< of direct callers; a Shape asks for a third of its points
+  std::size_t inliers_min = 20;  ///< of direct callers; a Shape requires a third of its points
   int iterations_max = 500;      ///< ShapeOptions::plane_iterations_max
   std::uint64_t seed = 1;
 };
 
-/// The round surface with most inliers: points near it whose normal, where reliable, is radial
-/// within 30 deg. A hypothesis takes its axis from two normals or from the whole cloud, its circle
-/// from three points. It is refined by robust least squares on the distances.
+/// Finds the round surface with most inliers: points near it whose normal, where reliable, is
+/// radial within 30 deg. A hypothesis takes its axis from two normals or from the whole cloud, its
+/// circle from three points. It is refined by robust least squares on the distances.
 /// @errors TooFewObservations (fewer points than inliers_min), NoConsensus (too few inliers, or
 /// points over less than 90 deg of the circle, which a plane explains as well).
 Result<Cylinder> find_cylinder(std::span<const Eigen::Vector3d> points_T,

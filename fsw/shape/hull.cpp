@@ -9,11 +9,12 @@ namespace {
 
 using Points = std::span<const Eigen::Vector3d>;
 
-// A face is visible from a point only beyond this part of the cloud's size. Chosen: 5e4 times the
-// rounding of a double, so that rounding does not tear the surface, and far below any tolerance.
+// Least distance of a point from a face that it sees, relative to the cloud's size. Chosen: 5e4
+// times the rounding of a double, so that rounding does not tear the surface, and far below any
+// tolerance.
 constexpr double kRounding = 1e-11;
-// A point can be missed when faces move; the next pass finds it. Chosen: the first pass without
-// such a point ends the loop.
+// Passes at most. A point can be missed when faces move; the next pass finds it. Chosen: the loop
+// ends with the first pass without such a point.
 constexpr int kPasses = 4;
 
 double distance(const HullWork::Facet& facet, const Eigen::Vector3d& point_T) {
@@ -23,7 +24,7 @@ double distance(const HullWork::Facet& facet, const Eigen::Vector3d& point_T) {
 HullWork::Facet facet_through(Points points_T, std::uint16_t a, std::uint16_t b, std::uint16_t c) {
   HullWork::Facet facet{.corners = {a, b, c}, .used = true};
   const Eigen::Vector3d normal = (points_T[b] - points_T[a]).cross(points_T[c] - points_T[a]);
-  // Collinear corners give a face without a normal: no point lies beyond it.
+  // Collinear corners give a face without a normal, which no point lies beyond.
   if (normal.norm() > 0.0) {
     facet.normal = normal.normalized();
     facet.offset = facet.normal.dot(points_T[a]);
@@ -77,7 +78,7 @@ bool first_corners(Points points_T, double tolerance, std::array<std::uint16_t, 
   return off_plane(points_T[d]) > tolerance;
 }
 
-/// Stores for a point the facet that it lies farthest beyond.
+/// Stores for a point the facet beyond which it lies farthest.
 template <typename Facets>
 void assign(Points points_T, std::size_t i, const Facets& facets, HullWork& work) {
   work.outside_of[i] = HullWork::kNoFacet;
@@ -118,8 +119,8 @@ void assign_all(Points points_T, HullWork& work) {
   }
 }
 
-/// Marks the faces visible from the point and collects their horizon: edges that only one of them
-/// has.
+/// Marks the faces visible from the point and collects their horizon: edges with one visible face
+/// only.
 std::size_t find_horizon(const Eigen::Vector3d& point_T, double rounding, HullWork& work) {
   work.edges.clear();
   std::size_t visible = 0;
@@ -154,7 +155,8 @@ std::size_t find_horizon(const Eigen::Vector3d& point_T, double rounding, HullWo
   return visible;
 }
 
-/// Replaces the visible faces by a cone from the horizon to the new corner. Reassigns their points.
+/// Replaces the visible faces by a cone from the horizon to the new corner, and assigns their
+/// points again.
 void add_cone(Points points_T, std::uint16_t corner, std::size_t visible, HullWork& work) {
   for (HullWork::Facet& facet : work.facets) {
     facet.used = facet.used && !facet.visible;
@@ -169,7 +171,7 @@ void add_cone(Points points_T, std::uint16_t corner, std::size_t visible, HullWo
     work.facets[slot] = facet_through(points_T, edge.from, edge.to, corner);
     POLHODE_ASSERT(work.fresh.push_back(static_cast<std::uint16_t>(slot)), slot);
   }
-  // A reused slot still has the points of its former facet: they are reassigned too.
+  // A reused slot still has the points of its former facet: they are assigned again, too.
   for (std::size_t i = 0; i < points_T.size(); ++i) {
     const std::size_t f = work.outside_of[i];
     const bool gone = f != HullWork::kNoFacet &&

@@ -15,8 +15,8 @@ namespace polhode {
 
 /// A closed convex surface.
 struct Hull {
-  /// A sphere of 500 corners is true to 0.4 % of its size. By Euler's formula a closed surface of
-  /// triangles has twice as many faces, less four.
+  /// A sphere of 500 corners is accurate to 0.4 % of its size. By Euler's formula a closed surface
+  /// of triangles has twice as many faces, less four.
   static constexpr std::size_t kVertices = 500;
   static constexpr std::size_t kFaces = 2 * kVertices - 4;
   using Face = std::array<std::uint16_t, 3>;  ///< corners, anticlockwise as seen from outside
@@ -52,9 +52,9 @@ struct HullWork {
 };
 
 /// Convex hull by quickhull: the point farthest beyond its face becomes a corner. Ends when no
-/// point is farther out than `tolerance` or the tables are full. So the points that are left out
-/// change the surface least.
-/// @param tolerance  > 0: what the cloud does not resolve.
+/// point is farther out than `tolerance` or the tables are full, so that the omitted points change
+/// the surface least.
+/// @param tolerance  > 0: the resolution of the cloud.
 /// @errors TooFewObservations (under 4 points), Degenerate (all points within `tolerance` of a
 /// plane, a line or a point).
 /// @cost   at most Hull::kVertices times the points and the faces. Deterministic.

@@ -9,25 +9,28 @@
 namespace polhode {
 namespace {
 
-// Random points on a surface have 7 others within 3 spacings (density 0.25 per squared spacing):
-// four more than a plane takes. Smaller leaves too few, larger smooths over edges.
+// Least radius, in spacings. Random points on a surface have 7 others within 3 spacings (density
+// 0.25 per squared spacing): four more than a plane needs. Smaller leaves too few, larger smooths
+// over edges.
 constexpr double kRadiusMin_spacings = 3.0;
-// 110 such points. Chosen; with more noise than such a disc averages out there is no shape to find.
+// Largest radius, with 110 such points. Chosen; more noise than such a disc averages out hides any
+// shape.
 constexpr double kRadiusMax_spacings = 12.0;
-// A disc of this radius has a variance of radius^2 / 4 = 9 thickness^2 in its plane. Least over
-// middle eigenvalue is then 0.11, below kFlatnessMax.
+// Least radius in thicknesses. A disc of this radius has a variance of radius^2 / 4 = 9 thickness^2
+// in its plane. Least over middle eigenvalue is then 0.11, below kFlatnessMax.
 constexpr double kRadius_thicknesses = 6.0;
-// Chosen: a wider radius sees a larger thickness, and the loop ends once both agree.
+// Passes at most. Chosen: a wider radius gives a larger thickness, and the loop ends once both
+// agree.
 constexpr int kRadiusPasses = 3;
-// A growth of the radius by less than a tenth is not worth another pass.
+// Least growth of the radius for another pass: a tenth.
 constexpr double kRadiusGrowthMin = 1.1;
-// The point itself is counted: the least that passes is six, three more than a plane takes.
+// A normal needs more points than this, itself included: six are three more than a plane needs.
 constexpr int kNeighboursMin = 5;
-// Least over middle eigenvalue: 0.15 is a thickness of 0.4 of the width. An edge of
-// 90 deg through the middle gives 0.28.
+// Largest ratio of least over middle eigenvalue: 0.15 is a thickness of 0.4 of the width. An edge
+// of 90 deg through the middle gives 0.28.
 constexpr double kFlatnessMax = 0.15;
-// Middle over largest eigenvalue. Below, the neighbours lie on a line, which fixes no plane.
-// Chosen: a strip 0.22 as wide as it is long.
+// Least ratio of middle over largest eigenvalue. Below it the neighbours lie on a line, which
+// determines no plane. Chosen: a strip 0.22 as wide as it is long.
 constexpr double kBreadthMin = 0.05;
 
 }  // namespace
@@ -45,7 +48,7 @@ double estimate_normals(std::span<const Eigen::Vector3d> points_T,
     const auto count = static_cast<int>(scratch.indices.size());  // itself among them
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     Eigen::Matrix3d square = Eigen::Matrix3d::Zero();
-    // Outwards from the point, in x: an order that the tree has no part in.
+    // Order of the neighbours: by distance in x from the point, independent of the tree.
     const auto add = [&](std::uint16_t other) {
       const Eigen::Vector3d apart = points_T[other] - points_T[at];
       sum += apart;

@@ -18,17 +18,18 @@ struct SurfaceNormal {
 
 using SurfaceNormals = FixedVector<SurfaceNormal, limits::kCloudPoints>;
 
-/// Principal axes of the points within `radius`.
+/// Normals by the principal axes of the points within `radius`.
 /// @return the surface's thickness: median over the points of the neighbours' root mean square
 /// distance from their plane.
-/// @cost O(N log N), and what lies within the radius of each point.
+/// @cost O(N log N), and the points within the radius of each point.
 double estimate_normals(std::span<const Eigen::Vector3d> points_T,
                         double radius,
                         CloudScratch& scratch,
                         SurfaceNormals& normals);
 
 /// As above, with the smallest radius that shows a flat piece of surface: three spacings, or more
-/// where the noise is large. @return the thickness, about the 1-sigma noise across the surface.
+/// where the noise is large.
+/// @return the thickness, about the 1-sigma noise across the surface.
 double estimate_normals_by_spacing(std::span<const Eigen::Vector3d> points_T,
                                    double spacing,
                                    CloudScratch& scratch,

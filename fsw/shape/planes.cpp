@@ -13,21 +13,24 @@
 namespace polhode {
 namespace {
 
-// Cosine of 45 deg: the mean of both normals at an edge of 90 deg.
+// Cosine of the largest angle between a point's normal and the plane's, 45 deg: the mean of both
+// normals at an edge of 90 deg.
 constexpr double kNormalCosineMin = 0.7;
 // Chosen: least-squares passes until the band has settled.
 constexpr int kRefinements = 6;
-// Sine of the angle at a sample's corner, 6 deg. A flatter triangle turns noise into tilt.
+// Least sine of the angle at a sample's corner, 6 deg. A flatter triangle amplifies noise into
+// tilt.
 constexpr double kSampleSineMin = 0.1;
 // Refinement narrows the band to three sigma of its inliers, but not below this part of the search
 // band. Chosen: the search band may be 2.5 sigma, and this keeps most inliers of a fit too good by
 // chance.
 constexpr double kBandPartMin = 0.3;
 constexpr double kBand_sigmas = 3.0;
-// A slab of a thick cloud has about as many points beside it as on it. A surface has few: noise,
-// and the edges of adjoining sides (decision 0052).
+// Largest ratio of points beside a plane to those on it. A slab of a thick cloud has about as many
+// points beside it as on it. A surface has few: noise, and the edges of adjoining faces (decision
+// 0052).
 constexpr double kBesideMax = 0.8;
-// What a point beside a hypothesis costs, in points on it. Chosen: a slab keeps half of its count.
+// Penalty for a point beside a hypothesis, in points on it. Chosen: a slab keeps half of its count.
 constexpr double kBesideCost = 0.5;
 
 struct Fit {
@@ -43,7 +46,7 @@ struct Support {
   const SurfaceNormals& normals;
   const PlaneOwners& owners;
 
-  [[nodiscard]] bool holds(const Fit& plane, double band, std::size_t i) const {
+  [[nodiscard]] bool contains(const Fit& plane, double band, std::size_t i) const {
     return owners[i] < 0 && agrees(plane, band, i);
   }
   [[nodiscard]] bool agrees(const Fit& plane, double band, std::size_t i) const {
@@ -54,13 +57,12 @@ struct Support {
   [[nodiscard]] std::size_t count(const Fit& plane, double band) const {
     std::size_t sum = 0;
     for (std::size_t i = 0; i < points_T.size(); ++i) {
-      sum += holds(plane, band, i) ? 1U : 0U;
+      sum += contains(plane, band, i) ? 1U : 0U;
     }
     return sum;
   }
-  /// Points off the plane by one to two bands, whichever plane owns them. A slab through the inside
-  /// of a cloud has as many as within the band, and so has half of a thick surface. A surface has
-  /// few.
+  /// Number of points off the plane by one to two bands, of any owner. A slab through the inside of
+  /// a cloud has as many as within the band, and so has half of a thick surface. A surface has few.
   [[nodiscard]] std::size_t beside(const Fit& plane, double band) const {
     std::size_t sum = 0;
     for (std::size_t i = 0; i < points_T.size(); ++i) {
@@ -78,7 +80,7 @@ Fit refit(const Support& support, const Fit& start, double band) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   Eigen::Matrix3d square = Eigen::Matrix3d::Zero();
   for (std::size_t i = 0; i < support.points_T.size(); ++i) {
-    if (support.holds(start, band, i)) {
+    if (support.contains(start, band, i)) {
       const Eigen::Vector3d apart = support.points_T[i] - start.mean_T;
       sum += apart;
       square += apart * apart.transpose();
@@ -97,7 +99,7 @@ Fit refit(const Support& support, const Fit& start, double band) {
   return fit;
 }
 
-/// Plane through three free points. None where they all but lie on a line.
+/// Plane through three free points. Nothing where they are nearly collinear.
 std::optional<Fit> plane_through(const Support& support,
                                  const CloudIndices& free,
                                  const Sample<3>& sample) {
@@ -111,12 +113,12 @@ std::optional<Fit> plane_through(const Support& support,
   return Fit{.normal_T = normal.normalized(), .mean_T = a};
 }
 
-/// Points on the plane less what those beside it cost; negative, for the least is the best.
+/// Score: the points on the plane less the penalty of those beside it, negative.
 double score(const Support& support, double band, double enough, Fit* fit) {
   fit->count = support.count(*fit, band);
   const auto on = static_cast<double>(fit->count);
   if (-on >= enough) {
-    return -on;  // counting the points beside it cannot make it better
+    return -on;  // those beside it cannot make it better
   }
   fit->beside = support.beside(*fit, band);
   return kBesideCost * static_cast<double>(fit->beside) - on;
@@ -128,7 +130,7 @@ Fit best_plane(const Support& support,
                const PlaneSearch& search,
                std::uint64_t stream,
                double* band) {
-  BestHypothesis<Fit> found{.score = 0.0};  // more points on it than those beside it cost
+  BestHypothesis<Fit> found{.score = 0.0};  // any plane with more points than penalty
   find_consensus<3>(
       {.points = free.size(),
        .draws_max = search.iterations_max,
@@ -151,8 +153,8 @@ Fit best_plane(const Support& support,
   return best;
 }
 
-/// Of tilts about the long and the short edge and of the offset at the inliers' mean, from the
-/// scatter of the rectangle's parts. Not less than white noise would give.
+/// Covariance of the tilts about the long and the short edge and of the offset at the inliers'
+/// mean, from the scatter of the rectangle's parts. Not less than by white noise.
 Eigen::Matrix3d covariance_of(const Fit& fit,
                               const Plane& plane,
                               const PlaneOwners& owners,
@@ -253,7 +255,7 @@ void find_planes(std::span<const Eigen::Vector3d> points_T,
     }
     const auto number = static_cast<std::int8_t>(planes.size());
     for (std::size_t i = 0; i < points_T.size(); ++i) {
-      if (support.holds(fit, band, i)) {
+      if (support.contains(fit, band, i)) {
         owners[i] = number;
       }
     }

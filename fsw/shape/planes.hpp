@@ -12,8 +12,8 @@
 
 namespace polhode {
 
-/// Points p of the plane: normal_T . p = offset. The rectangle holds its points; lengths in units
-/// of the cloud.
+/// Points p of the plane: normal_T . p = offset. The rectangle contains its points; lengths in
+/// units of the cloud.
 struct Plane {
   Eigen::Vector3d normal_T = Eigen::Vector3d::UnitZ();  ///< unit, away from the cloud's centroid
   double offset = 0.0;
@@ -34,21 +34,21 @@ struct Plane {
 };
 
 using Planes = FixedVector<Plane, limits::kPlanes>;
-/// Which plane a point belongs to; -1: none.
+/// Index of the plane that a point belongs to; -1: none.
 using PlaneOwners = FixedVector<std::int8_t, limits::kCloudPoints>;
 
 struct PlaneSearch {
   double distance_max = 0.0;     ///< of an inlier from its plane, cloud's unit
-  std::size_t inliers_min = 10;  ///< of direct callers; a Shape asks for a part of its points
+  std::size_t inliers_min = 10;  ///< of direct callers; a Shape requires a part of its points
   int iterations_max = 500;      ///< hypotheses for each plane; ShapeOptions::plane_iterations_max
   std::uint64_t seed = 1;
 };
 
-/// Takes planes off the cloud, the one with most points first, until none has inliers_min or the
-/// table is full. A point supports a plane when it is near and its normal, where reliable, agrees
-/// within 45 deg: normals near a cut across the body do not. A plane with many points beside it is
-/// such a cut, and ends the search.
-/// @param owners  points with a value other than -1 on entry are left alone; on return each point's
+/// Finds planes one by one, the one with most points first, until none has inliers_min or the table
+/// is full. A point supports a plane when it is near and its normal, where reliable, agrees within
+/// 45 deg: normals near a cut across the body do not. A plane with many points beside it is such a
+/// cut, and ends the search.
+/// @param owners  points with a value other than -1 on entry take no part; on return each point's
 /// plane.
 /// @cost  iterations_max times the points, for each plane.
 void find_planes(std::span<const Eigen::Vector3d> points_T,

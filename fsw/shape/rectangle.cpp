@@ -12,10 +12,11 @@
 namespace polhode {
 namespace {
 
-// Part of the values cut off at either end. Chosen: larger tolerates more stragglers, smaller
-// depends less on an even spread of the values.
+// Quantile cut off at either end. Chosen: larger tolerates more stragglers, smaller depends less on
+// an even spread of the values.
 constexpr double kTail = 0.02;
-// Half a degree each over a quarter turn: a side is too long by 0.4 % of the other at most.
+// Directions of half a degree each over a quarter turn: an edge is too long by 0.4 % of the other
+// at most.
 constexpr int kDirections = 180;
 
 using Values = FixedVector<double, limits::kCloudPoints>;
@@ -43,8 +44,8 @@ Extent robust_extent(std::span<double> values) {
   const auto high = static_cast<std::size_t>(std::ceil((1.0 - kTail) * last));
   const double least = ranked(values, low);
   const double most = ranked(values, high);
-  // N values spread evenly leave half a gap at either end: rank r lies at (r + 1/2) / N of the
-  // length.
+  // N values spread evenly leave half an interval at either end: rank r lies at (r + 1/2) / N of
+  // the length.
   const double per_rank = high > low ? (most - least) / static_cast<double>(high - low) : 0.0;
   const double cut_low = (static_cast<double>(low) + 0.5) * per_rank;
   const double cut_high = (last - static_cast<double>(high) + 0.5) * per_rank;

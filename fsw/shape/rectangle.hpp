@@ -17,8 +17,8 @@ struct Extent {
   double most = 0.0;
 };
 
-/// Both ends of values spread evenly over an interval: the 2 % quantiles, moved out by what they
-/// cut off. Reorders `values`; zeros when empty.
+/// Both ends of values spread evenly over an interval: the 2 % quantiles, extrapolated to the ends.
+/// Reorders `values`; zeros when empty.
 Extent robust_extent(std::span<double> values);
 
 /// The rectangle with the least area, by directions in steps of half a degree. At most

@@ -28,7 +28,7 @@ Vector9 terms(const Eigen::Vector3d& p) {
 
 /// In centred coordinates; none where the quadric is no ellipsoid.
 std::optional<Ellipsoid> ellipsoid_of(const Vector9& q) {
-  // Chosen: longer than six times its width, and the middle of it is a cylinder.
+  // Chosen: the middle of a body more than six times as long as wide is a cylinder.
   constexpr double kLongest = 6.0;
   Eigen::Matrix3d A;
   A << q(0), q(5), q(4), q(5), q(1), q(3), q(4), q(3), q(2);
@@ -84,7 +84,7 @@ Result<Ellipsoid> fit_ellipsoid(std::span<const Eigen::Vector3d> points_T, doubl
 }
 
 bool is_rounded(std::span<const Eigen::Vector3d> points_T, const Cylinder& cylinder, double band) {
-  // Chosen: a cylinder has the benefit of the doubt, since an ellipsoid has four unknowns more.
+  // Chosen: a margin in favour of the cylinder, since an ellipsoid has four unknowns more.
   constexpr double kMoreThanCylinder = 1.1;
   FixedVector<Eigen::Vector3d, limits::kCloudPoints> fitted;
   for (std::size_t i = 0; i < points_T.size(); i += 2) {

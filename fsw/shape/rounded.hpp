@@ -24,8 +24,8 @@ struct Ellipsoid {
 /// so long that it is a cylinder).
 Result<Ellipsoid> fit_ellipsoid(std::span<const Eigen::Vector3d> points_T, double band);
 
-/// Does an ellipsoid explain points that it was not fitted to better than the cylinder does? Every
-/// other point is held out.
+/// Cross-validation: does an ellipsoid fitted to every other point explain the rest better than the
+/// cylinder does?
 /// @param band  within which a point is explained
 bool is_rounded(std::span<const Eigen::Vector3d> points_T, const Cylinder& cylinder, double band);
 

@@ -14,8 +14,8 @@ struct End {
   SurfaceHit hit;
 };
 
-/// Variance of a length by an error of its end along its ray: by the component along the length,
-/// and by the one across, which makes every length longer.
+/// Variance of a length by the error of an end along its ray. Its component along the length counts
+/// directly; the one across makes every length longer.
 double variance_along(const End& end, const Eigen::Vector3d& direction, double length_mu) {
   const double cosine = direction.dot(end.ray.homogeneous().normalized());
   const double along = cosine * end.hit.sigma_mu;
@@ -24,9 +24,8 @@ double variance_along(const End& end, const Eigen::Vector3d& direction, double l
   return along * along + longer * longer;
 }
 
-/// Variance of a length by where its end was picked: the point moves across its ray, and with it
-/// the surface that the ray meets. At an edge that is another one. A place that meets none says
-/// nothing.
+/// Variance of a length from the error of its picked end: a shifted pixel has another ray, which
+/// meets another point, at an edge even another surface. Rays without a surface are left out.
 double variance_by_pick(const ScaleView& view,
                         const End& end,
                         const SurfaceHit& other,
@@ -47,7 +46,7 @@ double variance_by_pick(const ScaleView& view,
       ++hits;
     }
   }
-  const double flat = sigma_ray * end.hit.depth_mu;  // where nothing else is met
+  const double flat = sigma_ray * end.hit.depth_mu;  // for a flat surface
   return std::max(flat * flat, hits > 0 ? square / hits : 0.0);
 }
 

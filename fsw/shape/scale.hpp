@@ -9,8 +9,8 @@
 
 namespace polhode {
 
-// A length counts from 5 of its sigmas on. A fifth as relative sigma leaves its logarithm, in which
-// readings are combined, 2 % off at the second order.
+// Least length in its sigmas: from 5 on. With a relative sigma of a fifth the logarithm, in which
+// readings are combined, is 2 % off at the second order.
 inline constexpr double kLengthSigmasMin = 5.0;
 
 struct ScaleEstimate {
@@ -18,10 +18,11 @@ struct ScaleEstimate {
   double sigma = 0.0;  ///< 1-sigma of metres_per_mu
 };
 
-/// Scale from a known length between two points that lie on the surface.
+/// Scale from a known length between two points on the surface.
 /// @param end_a, end_b  normalised image points of the two ends.
 /// @param sigma_ray     1-sigma of a picked point, normalised units (1 px over the focal length,
-/// when picked by hand). An end at an edge may so lie on the surface beside it; the sigma has that.
+/// when picked by hand). It may put an end at an edge onto the surface beside it; the result's
+/// sigma includes that.
 /// @errors those of hit_surface(); BadParameter (known_length_m not positive), Degenerate (the
 /// length is under kLengthSigmasMin of its sigmas).
 Result<ScaleEstimate> scale_from_length(const ScaleView& view,

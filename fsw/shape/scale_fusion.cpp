@@ -7,10 +7,11 @@
 namespace polhode {
 namespace {
 
-// Two-sided normal: 1 in 2150 pairs is farther apart by chance (decision 0055).
+// Largest difference of two readings, in sigmas. Two-sided normal: 1 in 2150 pairs is farther apart
+// by chance (decision 0055).
 constexpr double kAgreement_sigmas = 3.5;
 
-/// Sigma of the logarithm: a scale is wrong by a factor.
+/// Sigma of the logarithm: the error of a scale is a factor.
 double log_sigma(const ScaleReading& reading) { return reading.sigma / reading.metres_per_mu; }
 
 bool agree(const ScaleReading& a, const ScaleReading& b) {

@@ -1,4 +1,4 @@
-// Which unit lengths are in: a number that rises by one at each change.
+// The number of the unit of lengths: it rises by one at each change.
 #pragma once
 
 #include <cstdint>
@@ -13,18 +13,18 @@ struct LengthsUnit {
   bool operator==(const LengthsUnit&) const = default;
 };
 
-/// Lengths under one number have one unit. Wraps at 2^32.
+/// The current unit and its number. Wraps at 2^32.
 struct ScaleNumber {
   std::uint32_t number = 0;  ///< 0: nothing has been measured yet
   LengthsUnit unit{};
 };
 
-/// The number under which lengths in this unit go.
+/// Number of lengths in this unit: the current one, or the next.
 [[nodiscard]] inline std::uint32_t number_of(const LengthsUnit& unit, const ScaleNumber& last) {
   return unit == last.unit ? last.number : last.number + 1;
 }
 
-/// Lengths are in this unit from here on.
+/// Makes this unit the current one.
 inline void change_unit(const LengthsUnit& unit, ScaleNumber* scale) {
   *scale = {.number = number_of(unit, *scale), .unit = unit};
 }

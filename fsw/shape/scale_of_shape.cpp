@@ -5,9 +5,10 @@
 namespace polhode {
 namespace {
 
-// The same limit as for a length between two image points.
+// The limit of a length between two image points.
 constexpr double kRelativeSigmaMax = 1.0 / kLengthSigmasMin;
-// On the shipped sample the longest rectangle is 6 % too long, 2.6 of the sigmas with this factor.
+// Factor on the sigmas of a rectangle. On the shipped sample the longest rectangle is 6 % too long,
+// 2.6 of the sigmas with this factor.
 constexpr double kRectangleSigmas = 2.0;
 
 struct Length {
@@ -23,7 +24,7 @@ Result<ScaleEstimate> scale_of(const Length& length, double known_m) {
   return ScaleEstimate{.metres_per_mu = scale, .sigma = scale * length.sigma / length.value};
 }
 
-/// May an edge be the longest although not both of its ends were found?
+/// May an edge be the longest although one of its ends was not found?
 bool may_be_longer(const Shape& shape, const Length& longest) {
   for (std::size_t k = 0; k < 3; ++k) {
     if (shape.dimension_basis[k] != DimensionBasis::kSurfaces &&
@@ -76,7 +77,8 @@ Result<ScaleEstimate> scale_from_edge(const Shape& shape,
     return ErrorCode::kDegenerate;
   }
   if (best.value == 0.0) {
-    // A rectangle ends where its points end: up to a gap before the edge, or by noise beyond it.
+    // The end of a rectangle is the end of its points: up to a spacing before the edge, or beyond
+    // it by noise.
     const double sigma = kRectangleSigmas * std::hypot(shape.spacing, shape.thickness);
     for (const Plane& plane : shape.planes) {
       offer(plane.extents.x(), sigma);

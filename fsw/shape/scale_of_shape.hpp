@@ -16,7 +16,7 @@ namespace polhode {
 /// under kLengthSigmasMin of its sigmas).
 Result<ScaleEstimate> scale_from_diameter(const Shape& shape, double diameter_m);
 
-/// From an edge of the flat sides: of the box where there is one and both ends were found, else of
+/// From an edge of the flat faces: of the box where there is one and both ends were found, else of
 /// the planes' rectangles.
 /// @param expected_metres_per_mu  from another reading: the edge that fits it best is taken, else
 /// the longest one.

@@ -11,7 +11,7 @@
 namespace polhode {
 namespace {
 
-/// Landmarks that a frame sees, and how well each is known along its ray.
+/// Landmarks seen in a frame, and their sigmas along the rays.
 struct SeenLandmarks {
   FixedVector<LandmarkId, limits::kFeatures> ids;
   FixedVector<Eigen::Vector3d, limits::kFeatures> points_T;
@@ -26,7 +26,7 @@ void add(LandmarkId id, const Map& map, SeenLandmarks* seen) {
 
 using InformationTable = FixedVector<Eigen::Matrix3d, limits::kFeatures>;
 
-/// Of each landmark seen, by all its image points in keyframes.
+/// Sigma of each landmark seen, by all its observations in keyframes.
 void collect_information(const Map& map,
                          const CameraModel& camera,
                          const SeenLandmarks& seen,
@@ -54,7 +54,7 @@ void collect_information(const Map& map,
   }
 }
 
-/// A landmark that keyframes do not fix along the ray is as uncertain as the map is large.
+/// A landmark whose depth the keyframes do not determine gets the map's size as its sigma.
 void collect_sigmas(const Pose& pose,
                     const Map& map,
                     const CameraModel& camera,
@@ -88,8 +88,8 @@ ScaleChange read_in(const Pose& pose,
                        scale);
 }
 
-/// Whether metres are known by an earlier reading, and the map has grown since.
-bool is_anew(std::uint32_t next_keyframe, const ScaleState& scale) {
+/// Whether an earlier reading gave the scale, and the map has grown since.
+bool is_repeated(std::uint32_t next_keyframe, const ScaleState& scale) {
   return scale.known && scale.keyframes_at_reading > 0 && has_grown(next_keyframe, scale);
 }
 
@@ -130,12 +130,12 @@ ScaleChange read_scale(std::int64_t timestamp_ns,
       !frame_reading_is_due(*input.options, map.map.next_keyframe_number, *scale)) {
     return {};
   }
-  const bool anew = is_anew(map.map.next_keyframe_number, *scale);
+  const bool repeated = is_repeated(map.map.next_keyframe_number, *scale);
   const double sigma_before = scale->relative_sigma;
   const ScaleChange change = timestamp_ns == input.options->frame_timestamp_ns
                                  ? read_scale_in_frame(map, input, scale)
                                  : read_scale_in_keyframe(map, input, scale);
-  if (anew && !(change.read && scale->relative_sigma < sigma_before)) {
+  if (repeated && !(change.read && scale->relative_sigma < sigma_before)) {
     ++scale->not_improved;
     scale->keyframes_at_reading = map.map.next_keyframe_number;
   }

@@ -1,4 +1,4 @@
-// Where in the map a configured length or range is read.
+// Reads a configured length or range in the map.
 #pragma once
 
 #include <cstdint>
@@ -9,20 +9,21 @@
 
 namespace polhode {
 
-/// What a reading needs beside the map.
+/// Input of a reading beside the map.
 struct ScaleInput {
   const ScaleOptions* options = nullptr;
   const CameraModel* camera = nullptr;
 };
 
-/// Reads in this frame, with its pose and what it sees.
+/// Reads the scale in this frame, with its pose and landmarks.
 ScaleChange read_scale_in_frame(const MapState& map, const ScaleInput& input, ScaleState* scale);
 
-/// Reads in the keyframe of the configured time; nothing where there is none.
+/// Reads the scale in the keyframe of the configured time; nothing where there is none.
 ScaleChange read_scale_in_keyframe(const MapState& map, const ScaleInput& input, ScaleState* scale);
 
-/// Reads where the configured frame is, this one or a keyframe, when a reading is due. A reading
-/// anew that fails, or has no smaller sigma, is counted, and due again when the map has grown.
+/// Reads the scale in the configured frame, which is this one or a keyframe, when a reading is due.
+/// A repeated reading that fails, or has no smaller sigma, is counted, and due again when the map
+/// has grown.
 ScaleChange read_scale(std::int64_t timestamp_ns,
                        const MapState& map,
                        const ScaleInput& input,

@@ -48,7 +48,7 @@ bool names_frame(const ScaleOptions& options) {
 }
 
 bool has_grown(std::uint32_t next_keyframe, const ScaleState& scale) {
-  return 2 * next_keyframe >= 3 * scale.keyframes_at_reading;  // by half (decision 0057)
+  return 2 * next_keyframe >= 3 * scale.keyframes_at_reading;  // grown by half (decision 0057)
 }
 
 bool frame_reading_is_due(const ScaleOptions& options,
@@ -74,7 +74,7 @@ ScaleChange read_scale_in(const ScaleView& view,
     const auto ray = [&](std::size_t end) {
       return undistort(camera, {options.points_px[end][0], options.points_px[end][1]});
     };
-    // A point picked in an image is good to a pixel (decision 0057).
+    // 1-sigma of a point picked in an image, a pixel (decision 0057)
     const double sigma_ray = 1.0 / camera.focal_px();
     taken |= take(ScaleSource::kKnownLength,
                   scale_from_length(view, ray(0), ray(1), options.known_length_m, sigma_ray),
@@ -86,7 +86,7 @@ ScaleChange read_scale_in(const ScaleView& view,
                   readings);
   }
   if (taken) {
-    // A reading that the options no longer name has been replaced.
+    // Drops readings that the options no longer name.
     if (options.known_length_m == 0.0) {
       readings = readings_beside(ScaleSource::kKnownLength, readings);
     }

@@ -11,7 +11,7 @@
 
 namespace polhode {
 
-/// State of the scale. Unknown, with lengths in map units, while there is no reading or the
+/// State of the scale. It is unknown, with lengths in map units, without a reading or while
 /// readings contradict each other.
 struct ScaleState {
   bool known = false;
@@ -21,13 +21,13 @@ struct ScaleState {
   ScaleReadings readings;
   std::array<bool, kScaleSources> used{};  ///< readings that the scale comes from
   bool contradiction = false;
-  std::uint32_t not_improved = 0;  ///< readings anew that failed, or were no better than the last
+  std::uint32_t not_improved = 0;  ///< repeated readings that failed, or were no better
 };
 
-/// What came of a reading.
+/// Result of a reading.
 struct ScaleChange {
   bool read = false;                 ///< else nothing has changed
-  bool contradiction_began = false;  ///< with this reading they stopped agreeing
+  bool contradiction_began = false;  ///< with this reading a contradiction began
 };
 
 /// Whether a length or a range is named in a frame.
@@ -36,8 +36,8 @@ struct ScaleChange {
 /// Whether the map has grown by half since the last reading.
 [[nodiscard]] bool has_grown(std::uint32_t next_keyframe, const ScaleState& scale);
 
-/// Is the named length or range still to be read, or has the map grown by half since it was? A map
-/// of a few frames is bent, and its lengths are off by percents.
+/// Is a reading of the named length or range due? It is at first, and again when the map has grown
+/// by half: a map of a few frames is bent, and its lengths are off by percents.
 [[nodiscard]] bool frame_reading_is_due(const ScaleOptions& options,
                                         std::uint32_t next_keyframe,
                                         const ScaleState& scale);

@@ -9,29 +9,28 @@
 namespace polhode {
 namespace {
 
-// A point belongs to a surface within half a spacing: where the cloud resolves the surface, heights
-// of neighbours differ by less. Or within 2.5 sigma of the noise, which holds 98.8 % of a normal
-// one.
+// Band of a surface's points. Half a spacing: where the cloud resolves the surface, heights of
+// neighbours differ by less. Or 2.5 sigma of the noise, which covers 98.8 % of a normal one.
 constexpr double kBand_spacings = 0.5;
 constexpr double kBand_thicknesses = 2.5;
-// A box or a cylinder explains points a little farther off: edges are round, sides not quite
+// A box or a cylinder explains points a little farther off: edges are round, faces not quite
 // parallel. Chosen: one spacing and one sigma more than the band.
 constexpr double kTolerance_spacings = kBand_spacings + 1.0;
 constexpr double kTolerance_thicknesses = kBand_thicknesses + 1.0;
 // Chosen: three fix a plane, seven more make a chance plane rare.
 constexpr std::size_t kPlanePointsMin = 10;
-// A cylinder has two parameters more than a plane and replaces several planes. So it must hold a
+// A cylinder has two parameters more than a plane and replaces several planes. So it must have a
 // third of all points. Chosen.
 constexpr double kCylinderPart = 0.33;
-// It must hold nearly as many points as the side planes that it replaces. Chosen; larger leaves
-// round bodies as prisms, smaller makes boxes round.
+// It must have nearly as many points as the planes that it replaces. Chosen; larger leaves round
+// bodies as prisms, smaller makes boxes round.
 constexpr double kCylinderOverPlanes = 0.9;
 // The bend of a map moves its surfaces by about this part of the noise, however many points they
 // have. On rendered bodies lengths between surfaces are off by 1 to 2 % at a noise of 3 %
 // (decision 0054).
 constexpr double kBent_thicknesses = 0.5;
-// Random points have a pitch (one point per pitch^2) of two spacings. Holes in a surface that was
-// found at all widen it by a factor of two at most.
+// Random points have a pitch (one point per pitch^2) of two spacings. Holes in a found surface
+// widen it by a factor of two at most.
 constexpr double kPitchMax_spacings = 4.0;
 
 void reset_owners(std::size_t count, PlaneOwners& owners) {
@@ -57,9 +56,9 @@ PlaneSearch plane_search(const ShapeOptions& options,
       .seed = seed};
 }
 
-/// Points on the planes along the axis, which a cylinder would replace, less the points beside
-/// each. So a slab cut out of a thick cloud is worth little.
-double worth_of_sides(const Planes& planes, const Cylinder& cylinder) {
+/// Points on the planes along the axis, which a cylinder would replace, less those beside each: a
+/// slab cut out of a thick cloud counts little.
+double worth_of_faces(const Planes& planes, const Cylinder& cylinder) {
   double sum = 0.0;
   for (const Plane& plane : planes) {
     if (std::abs(plane.normal_T.dot(cylinder.axis_T)) <= kOrthogonalCosineMax) {
@@ -74,7 +73,7 @@ double worth_of(const Cylinder& cylinder) {
 }
 
 /// A cylinder where it explains the cloud better than planes and an ellipsoid do. Planes are then
-/// sought among the other points.
+/// searched for among the other points.
 void find_surfaces(const ShapeOptions& options, std::uint64_t seed, Shape& shape, ShapeWork& work) {
   const std::span<const Eigen::Vector3d> points_T = work.cloud.points_T.view();
   shape.thickness =
@@ -92,7 +91,7 @@ void find_surfaces(const ShapeOptions& options, std::uint64_t seed, Shape& shape
   const Result<Cylinder> cylinder = find_cylinder(points_T, work.normals, round);
   if (!cylinder ||
       worth_of(cylinder.value()) <
-          kCylinderOverPlanes * worth_of_sides(shape.planes, cylinder.value()) ||
+          kCylinderOverPlanes * worth_of_faces(shape.planes, cylinder.value()) ||
       is_rounded(points_T, cylinder.value(), search.distance_max)) {
     return;
   }
@@ -111,7 +110,7 @@ void find_surfaces(const ShapeOptions& options, std::uint64_t seed, Shape& shape
   shape.cylinder->ends_found = snap_ends(shape.planes, *shape.cylinder);
 }
 
-/// Distance of evenly spread points on the best measured surface.
+/// Pitch of evenly spread points on the best measured surface.
 double pitch_of(const Shape& shape) {
   double area = 0.0;
   std::size_t points = 0;
@@ -134,7 +133,8 @@ Extent extent_along(const ShapeWork& work, const Eigen::Vector3d& direction_T) {
   return robust_extent(along.view());
 }
 
-/// Whether points lie beyond the cylinder's ends; `extent` is theirs along its axis.
+/// Whether points lie beyond the cylinder's ends.
+/// @param extent  of the points along its axis.
 bool reaches_beyond(const Extent& extent, const Shape& shape) {
   return extent.most - extent.least > shape.cylinder->length + 2.0 * tolerance_of(shape);
 }
@@ -145,8 +145,8 @@ void complete(Shape& shape, ShapeWork& work) {
       shape.completion = CompletionKind::kCylinder;
       shape.completion_points = complete_cylinder(*shape.cylinder, pitch_of(shape), work.cloud);
       shape.centroid_T = shape.cylinder->centre_T;
-      // Where a nozzle or an adapter reaches beyond the cylinder, the points give the middle of the
-      // whole body along the axis.
+      // Middle along the axis: that of the points, where a nozzle or an adapter extends beyond the
+      // cylinder.
       const Extent extent = extent_along(work, shape.cylinder->axis_T);
       if (reaches_beyond(extent, shape)) {
         const double at = shape.cylinder->axis_T.dot(shape.centroid_T);
@@ -160,7 +160,7 @@ void complete(Shape& shape, ShapeWork& work) {
     shape.box = box.value();
     shape.completion = CompletionKind::kBox;
     shape.completion_points = complete_box(*shape.box, pitch_of(shape), work.cloud);
-    // The mean of evenly spread points, without the noise of their density.
+    // The mean of evenly spread points, so that their density has no effect.
     shape.centroid_T = shape.box->centre_T;
   }
 }
@@ -177,8 +177,8 @@ TargetFrame frame_of(const Shape& shape, const ShapeWork& work, const Shape* pre
   return previous != nullptr ? relabel_like(frame, previous->frame) : frame;
 }
 
-// Points this flat do not determine a length. Chosen: a gap at either end, and 2.5 sigma of the
-// noise at either end.
+// Points this flat do not determine a length. Chosen: a spacing and 2.5 sigma of the noise at
+// either end.
 constexpr double kFlat_spacings = 2.0;
 constexpr double kFlat_thicknesses = 2.0 * kBand_thicknesses;
 
@@ -187,7 +187,7 @@ void measure_points(const ShapeWork& work, Shape& shape) {
   for (Eigen::Index k = 0; k < 3; ++k) {
     const Extent extent = extent_along(work, shape.frame.R_TB.col(k));
     shape.dimensions(k) = extent.most - extent.least;
-    // A gap at the ends, and the noise.
+    // The spacing of points at the ends, and the noise.
     shape.sigma_dimensions(k) = shape.spacing + shape.thickness;
     shape.dimension_basis[static_cast<std::size_t>(k)] =
         shape.dimensions(k) > flat ? DimensionBasis::kPoints : DimensionBasis::kNothing;
@@ -197,7 +197,7 @@ void measure_points(const ShapeWork& work, Shape& shape) {
 void measure_box(Shape& shape) {
   const double bent = kBent_thicknesses * shape.thickness;
   for (Eigen::Index k = 0; k < 3; ++k) {
-    Eigen::Index same = 0;  // the box's axis that is B's axis k, whatever its name and sign
+    Eigen::Index same = 0;  // the box's axis along B's axis k, in either direction
     (shape.box->R_TB.transpose() * shape.frame.R_TB.col(k)).cwiseAbs().maxCoeff(&same);
     shape.dimensions(k) = shape.box->dimensions(same);
     shape.sigma_dimensions(k) = std::hypot(shape.box->sigma_dimensions(same), bent);
@@ -215,7 +215,7 @@ void measure_cylinder(Shape& shape) {
     const auto at = static_cast<std::size_t>(k);
     if (k == along) {
       if (shape.dimensions(k) > shape.cylinder->length + 2.0 * tolerance_of(shape)) {
-        continue;  // points reach beyond the cylinder
+        continue;  // points lie beyond the cylinder
       }
       shape.dimensions(k) = shape.cylinder->length;
       shape.dimension_basis[at] =
@@ -228,7 +228,7 @@ void measure_cylinder(Shape& shape) {
   }
 }
 
-/// Lengths along B: of the box or cylinder where there is one, else of the measured points.
+/// Lengths along B: of the box or the cylinder where there is one, else of the measured points.
 void measure(const ShapeWork& work, Shape& shape) {
   measure_points(work, shape);
   if (shape.completion == CompletionKind::kBox) {

@@ -18,10 +18,10 @@
 
 namespace polhode {
 
-/// What a length along a body axis is based on.
+/// Basis of a length along a body axis.
 enum class DimensionBasis : std::uint8_t {
-  kNothing = 0,  ///< the points are flat there: the body may reach any depth behind them
-  kPoints = 1,   ///< where the points end: the body is at least so long
+  kNothing = 0,  ///< the points are flat there: the body's depth behind them is unknown
+  kPoints = 1,   ///< the ends of the points: a lower bound
   kSurfaces = 2  ///< surfaces found at both ends, or the cylinder's diameter
 };
 
@@ -29,13 +29,13 @@ enum class DimensionBasis : std::uint8_t {
 struct Shape {
   double spacing = 0.0;               ///< typical distance of neighbouring landmarks
   double thickness = 0.0;             ///< 1-sigma noise of the cloud across its surface
-  std::size_t landmarks = 0;          ///< handed in
+  std::size_t landmarks = 0;          ///< number of input landmarks
   std::size_t cloud_points = 0;       ///< measured, after denoising
   std::size_t completion_points = 0;  ///< added
   CompletionKind completion = CompletionKind::kNone;
   Eigen::Vector3d centroid_measured_T = Eigen::Vector3d::Zero();  ///< mean of the denoised cloud
   Eigen::Vector3d centroid_T =
-      Eigen::Vector3d::Zero();  ///< the completed body's centre, else the same
+      Eigen::Vector3d::Zero();  ///< centre of the completed body, else the same
   TargetFrame frame;            ///< axes B in T
   Eigen::Vector3d dimensions = Eigen::Vector3d::Zero();        ///< full lengths along B's axes
   Eigen::Vector3d sigma_dimensions = Eigen::Vector3d::Zero();  ///< 1-sigma
@@ -58,11 +58,10 @@ inline constexpr std::int8_t kOnCylinder = 127;
 /// @param landmarks_T  at most limits::kCloudPoints are used; non-finite ones are left out.
 /// @param previous     the last estimate in the same T, for the names of the axes; null at first.
 /// @errors TooFewObservations (under 5 landmarks, or nothing left but noise), Degenerate (points
-/// coincide).
-///         What cannot be found (planes, a cylinder, a box) is absent from the answer, not an
-///         error.
+/// coincide). Planes, a cylinder or a box that cannot be found are absent from the result, which is
+/// no error.
 /// @cost   dominated by plane_iterations_max times the cloud's points, for each plane, twice.
-///         Deterministic in (landmarks, options, seed, previous).
+/// Deterministic in (landmarks, options, seed, previous).
 Result<Shape> estimate_shape(std::span<const Eigen::Vector3d> landmarks_T,
                              const ShapeOptions& options,
                              std::uint64_t seed,

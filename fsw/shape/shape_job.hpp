@@ -1,4 +1,4 @@
-// An estimate of the shape, as work apart from the step, and when the next one is due.
+// Estimate of the shape as a job, and its schedule.
 #pragma once
 
 #include <cstdint>
@@ -17,10 +17,10 @@ struct ShapeJob {
   std::uint64_t seed = 0;
   std::optional<Shape> previous;
   ShapeWork work;
-  std::optional<Shape> outcome;  ///< the result; none: not run, or there was too little to see
+  std::optional<Shape> outcome;  ///< the result; none: not run, or too few landmarks
 };
 
-/// Is an estimate due? Not before the map has another keyframe, nor `every_frames` after the last.
+/// Is an estimate due? Yes with a new keyframe, `every_frames` after the last one.
 [[nodiscard]] bool shape_is_due(const ShapeState& state,
                                 const Map& map,
                                 std::uint32_t frame,
@@ -34,16 +34,16 @@ void prepare_shape(const Map& map,
                    ShapeState* state,
                    ShapeJob* job);
 
-/// A pure function of what was prepared.
+/// A pure function of the prepared job.
 void run_shape(ShapeJob* job);
 
-/// The last job gave nothing, or was lost: the next one does not wait for another keyframe. A body
-/// that is mapped all around may never give one.
+/// After a job that failed or was lost: the next one does not wait for a keyframe. A body that is
+/// fully mapped may never give one.
 void ask_shape_again(ShapeState* state);
 
-/// What came of it; there must be an outcome.
-/// @param frame  that it was prepared in.
-/// @return it differs from the last one in its planes or its completion.
+/// Takes the job's outcome, which must be there.
+/// @param frame  in which the job was prepared.
+/// @return whether planes or completion differ from the last ones.
 bool take_shape(const ShapeJob& job, std::uint32_t frame, ShapeState* state);
 
 }  // namespace polhode

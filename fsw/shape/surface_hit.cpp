@@ -13,30 +13,31 @@
 namespace polhode {
 namespace {
 
-// Landmarks around the ray among which a plane is sought. Chosen for its cost: all 2024 triples are
+// Nearest landmarks among which a plane is searched for. Chosen for its cost: all 2024 triples are
 // tried, three times.
 constexpr std::size_t kNearest = 24;
-// A ray whose nearest landmark is farther than this many typical distances misses the target.
-// Chosen; smaller refuses bare parts of a surface, larger takes rays beside the body.
+// Largest distance of the nearest landmark from the ray, in typical distances; beyond it the ray
+// misses the target. Chosen; smaller refuses bare parts of a surface, larger takes rays beside the
+// body.
 constexpr double kMissDistances = 6.0;
-// A landmark belongs to a plane within this many typical distances along the ray: three sigma of a
-// cloud whose noise is a third of its spacing.
+// Band of a plane along the ray, in typical distances: three sigma of a cloud whose noise is a
+// third of its spacing.
 constexpr double kBandDistances = 1.0;
-// Refinement does not narrow the band below this part: a few landmarks may agree by chance. Chosen.
+// Least part of the band after refinement: a few landmarks may agree by chance. Chosen.
 constexpr double kHitBandPartMin = 0.1;
 constexpr double kHitBand_sigmas = 3.0;
-// At an edge two sides share the landmarks around the ray. The nearer side is taken when it has
-// this part of the other's support. Chosen; smaller takes a few stray points in front for a side,
-// larger misses the nearer side.
+// At an edge two faces share the landmarks around the ray. The nearer face is taken when it has
+// this part of the other's support. Chosen; smaller takes a few stray points in front for a face,
+// larger misses the nearer face.
 constexpr double kFrontPart = 0.5;
-// Cosine of 78 deg: a side seen more obliquely shows next to no landmarks. A plane that leans so
-// far joins points of two sides.
+// Least cosine of a face's obliquity, 78 deg: a more oblique one shows next to no landmarks. A
+// plane of such a tilt joins points of two faces.
 constexpr double kFacingCosineMin = 0.2;
-// A plane that crosses the ray holds two of the four landmarks nearest to it. A large side with
-// only farther landmarks would be extrapolated over a panel behind or beside the body.
+// Nearest landmarks of which two must be on the plane. A large face with only farther landmarks
+// would be extrapolated over a panel behind or beside the body.
 constexpr std::size_t kWitnesses = 4;
 constexpr std::size_t kWitnessesMin = 2;
-// Three points fix a plane, two are left to judge it by.
+// Least landmarks of a plane: three determine it, two more check it.
 constexpr std::size_t kPlaneSupportMin = 5;
 // Chosen: least-squares passes until the set of inliers has settled.
 constexpr int kHitRefinements = 5;
@@ -47,8 +48,8 @@ constexpr double kTriangleMin = 0.01;
 // corners.
 constexpr std::size_t kNearestDepths = 3;
 
-// Errors of landmarks beside what their image points say of them: measured on rendered scenes, see
-// decision 0074.
+// Errors of landmarks over the sigmas that their observations give: measured on rendered scenes,
+// see decision 0074.
 constexpr double kOwnSigmas = 2.0;
 
 struct Seen {
@@ -56,7 +57,7 @@ struct Seen {
   double distance2 = 0.0;
   double depth = 0.0;
   double sigma = 0.0;   // along its ray
-  double weight = 1.0;  // how much it says of the surface at the ray
+  double weight = 1.0;  // in the fit of the surface at the ray
 };
 
 using SeenTable = FixedVector<Seen, limits::kLandmarks>;
@@ -76,7 +77,7 @@ void collect(const ScaleView& view, const Eigen::Vector2d& ray, SeenTable& seen)
   }
 }
 
-/// Distance in the image between neighbours of landmarks spread evenly over their bounding box.
+/// Typical distance in the image between landmarks spread evenly over their bounding box.
 double typical_distance(const SeenTable& seen) {
   Eigen::Vector2d least = seen[0].offset;
   Eigen::Vector2d most = seen[0].offset;
@@ -96,8 +97,8 @@ void take_near(SeenTable& seen, double reach2, NearTable& near) {
   for (std::size_t i = 0; i < around && seen[i].distance2 <= reach2; ++i) {
     POLHODE_ASSERT(near.push_back(seen[i]), i);
   }
-  // The weight is a quarter at the last witness. Landmarks far from the ray are many, and more
-  // often on another side.
+  // Weights by distance: a quarter at the last witness. Landmarks far from the ray are many, and
+  // more often on another face.
   const double close2 = near.empty() ? 0.0 : near[std::min(kWitnesses, near.size()) - 1].distance2;
   for (Seen& one : near) {
     const double ratio = close2 > 0.0 ? one.distance2 / close2 : 0.0;
@@ -113,13 +114,13 @@ struct InversePlane {
   [[nodiscard]] double at(const Seen& seen) const {
     return coefficients(0) + coefficients.tail<2>().dot(seen.offset);
   }
-  /// Of the angle between the plane's normal and the ray.
+  /// Cosine of the angle between the plane's normal and the ray.
   [[nodiscard]] double facing(const Eigen::Vector2d& ray) const {
     const Eigen::Vector2d slope = coefficients.tail<2>();
     const Eigen::Vector3d normal_C(slope.x(), slope.y(), coefficients(0) - slope.dot(ray));
     return coefficients(0) / (normal_C.norm() * ray.homogeneous().norm());
   }
-  [[nodiscard]] bool holds(const Seen& seen, double band) const {
+  [[nodiscard]] bool contains(const Seen& seen, double band) const {
     const double inverse = at(seen);
     return inverse > 0.0 && std::abs(1.0 / inverse - seen.depth) <= band;
   }
@@ -128,7 +129,7 @@ struct InversePlane {
 std::size_t support_of(const InversePlane& plane, const NearTable& near, double band) {
   std::size_t count = 0;
   for (const Seen& seen : near) {
-    count += plane.holds(seen, band) ? 1U : 0U;
+    count += plane.contains(seen, band) ? 1U : 0U;
   }
   return count;
 }
@@ -149,13 +150,13 @@ bool through(const Seen& a, const Seen& b, const Seen& c, double spread2, Invers
 bool witnessed(const InversePlane& plane, const NearTable& near, double band) {
   std::size_t count = 0;
   for (std::size_t i = 0; i < std::min(kWitnesses, near.size()); ++i) {
-    count += plane.holds(near[i], band) ? 1U : 0U;
+    count += plane.contains(near[i], band) ? 1U : 0U;
   }
   return count >= kWitnessesMin;
 }
 
-/// Calls visit(plane) for the planes through all triples that pass the ray no nearer than the
-/// nearest landmark, face it and hold landmarks next to it.
+/// Calls visit(plane) for the planes through all triples that meet the ray no nearer than the
+/// nearest landmark, face the camera and have landmarks next to the ray.
 template <typename Visit>
 void for_planes(const NearTable& near,
                 const Eigen::Vector2d& ray,
@@ -198,8 +199,8 @@ InversePlane front_plane(const NearTable& near, const Eigen::Vector2d& ray, doub
                       ? depth
                       : depth_least;
   });
-  // Within two bands, one for the noise of each plane, the best supported plane is taken. The very
-  // nearest one is selected by its noise.
+  // Takes the best supported plane within two bands of the nearest, one for the noise of each. The
+  // nearest by itself may be so by noise.
   InversePlane best;
   for_planes(near, ray, band, [&](const InversePlane& plane) {
     if (plane.support >= enough && 1.0 / plane.coefficients(0) <= depth_least + 2.0 * band &&
@@ -215,14 +216,14 @@ struct InverseDepth {
   double sigma = 0.0;
 };
 
-/// The surface that was taken: its plane, and how far off it a landmark may lie.
+/// The plane taken, and its band.
 struct Surface {
   InversePlane plane;
   double band = 0.0;
 };
 
 /// Least squares over the plane's landmarks, selected again after each step within three sigma. So
-/// landmarks of another side next to an edge drop out. Gives inverse depth and its sigma at the
+/// landmarks of another face next to an edge drop out. Gives inverse depth and its sigma at the
 /// ray.
 bool refine(const NearTable& near, Surface* surface, InverseDepth* at_ray) {
   const double band_max = surface->band;
@@ -235,7 +236,7 @@ bool refine(const NearTable& near, Surface* surface, InverseDepth* at_ray) {
     double square = 0.0;
     std::size_t count = 0;
     for (const Seen& seen : near) {
-      if (plane.holds(seen, band)) {
+      if (plane.contains(seen, band)) {
         const Eigen::Vector3d J(1.0, seen.offset.x(), seen.offset.y());
         const double residual = 1.0 / seen.depth - plane.at(seen);
         H += seen.weight * J * J.transpose();
@@ -261,8 +262,7 @@ bool refine(const NearTable& near, Surface* surface, InverseDepth* at_ray) {
   return at_ray->value > 0.0 && std::isfinite(at_ray->sigma);
 }
 
-/// Where no plane is found: the nearest landmark's depth. Its sigma is the scatter of those around
-/// it.
+/// Without a plane: the nearest landmark's depth, with the scatter of those around it as sigma.
 InverseDepth nearest_depth(const NearTable& near) {
   double deviation = near[0].depth * std::sqrt(near[0].distance2);
   for (std::size_t i = 1; i < std::min(kNearestDepths, near.size()); ++i) {
@@ -271,16 +271,16 @@ InverseDepth nearest_depth(const NearTable& near) {
   return {.value = 1.0 / near[0].depth, .sigma = deviation / (near[0].depth * near[0].depth)};
 }
 
-/// Of the depth, by landmarks about the ray that are not on the surface taken: the surface at the
-/// ray may be theirs, with as much probability as they have weight.
+/// Variance of the depth by landmarks about the ray on other surfaces: the ray may meet one of
+/// those, with the probability of their share of the weight.
 double variance_by_others(const NearTable& near, const Surface& surface) {
   double weight = 0.0;
   double square = 0.0;
   for (const Seen& seen : near) {
     weight += seen.weight;
-    if (!surface.plane.holds(seen, surface.band)) {
+    if (!surface.plane.contains(seen, surface.band)) {
       const double inverse = surface.plane.at(seen);
-      // Where the plane has passed the horizon it is as far off as a landmark can be.
+      // Beyond the plane's horizon: off by the landmark's depth.
       const double off = inverse > 0.0 ? 1.0 / inverse - seen.depth : seen.depth;
       square += seen.weight * std::min(off * off, seen.depth * seen.depth);
     }
@@ -288,7 +288,7 @@ double variance_by_others(const NearTable& near, const Surface& surface) {
   return square / weight;
 }
 
-/// Of the depth, by the own errors of the landmarks about the ray, which are alike.
+/// Variance of the depth by the errors of the landmarks about the ray, which are correlated.
 double own_variance(const NearTable& near) {
   double weight = 0.0;
   double sigma = 0.0;

@@ -26,9 +26,10 @@ Eigen::Vector3d shared_direction(const Planes& planes, const Eigen::Vector3d& re
 /// Direction across x: the normal of an orthogonal plane, else of an oblique one, else the long
 /// edge of the first plane. `known`: false where it is arbitrary, as on a single square face.
 Eigen::Vector3d second_direction(const Planes& planes, const Eigen::Vector3d& x_T, bool* known) {
-  // Ratio from which the longer edge is known. Chosen: ends of rectangles are off by some per cent.
+  // Ratio from which the longer edge is distinct. Chosen: ends of rectangles are off by some per
+  // cent.
   constexpr double kLongerEdgeMin = 1.1;
-  // cos 30 deg: nearer to x the noise of a normal doubles in its direction across x.
+  // cos 30 deg: for a normal nearer to x the noise of the direction across x doubles.
   constexpr double kUsableCosineMax = 0.866;
   const Plane* oblique = nullptr;
   for (const Plane& plane : planes) {
@@ -138,13 +139,12 @@ TargetFrame frame_from_points(std::span<const Eigen::Vector3d> points_T) {
   frame.R_TB.col(0) = eigen.eigenvectors().col(2);
   frame.R_TB.col(1) = eigen.eigenvectors().col(1);
   frame.R_TB.col(2) = frame.R_TB.col(0).cross(frame.R_TB.col(1));
-  // Ratio of eigenvalues from which axes are distinct. Chosen; nearer spreads change order with the
-  // choice of points.
+  // Ratio of eigenvalues from which axes are distinct. Chosen; with nearer ones the order depends
+  // on the choice of points.
   constexpr double kSpreadRatioMin = 1.3;
   const Eigen::Vector3d spread = eigen.eigenvalues().reverse().cwiseMax(0.0);
   const bool first = spread(0) > kSpreadRatioMin * spread(1);
-  // Points on a line spread across it by rounding only: a thousandth of the length, squared, is
-  // more.
+  // Least spread across a line of points, in parts of its length, squared: less is rounding.
   constexpr double kLineSpread = 1e-6;
   const bool last = spread(1) > kSpreadRatioMin * spread(2) && spread(1) > kLineSpread * spread(0);
   frame.axes_known = {first, first && last, last};

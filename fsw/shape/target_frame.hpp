@@ -1,4 +1,4 @@
-// The body frame B: axes from the target's own geometry, right-handed, and the same ones at each
+// The body frame B: axes from the target's own geometry, right-handed, and stable from update to
 // update.
 #pragma once
 
@@ -13,15 +13,16 @@
 namespace polhode {
 
 enum class FrameSource : std::uint8_t {
-  kPrincipal = 0,  ///< principal axes of the cloud: nothing flat or round was found
-  kPlanes = 1,     ///< x along the strongest plane's normal, y along the next one's part across it
+  kPrincipal = 0,  ///< principal axes of the cloud: no plane or cylinder was found
+  kPlanes = 1,     ///< x along the strongest plane's normal, y along the component of the next
+                   ///< one's across it
   kCylinder = 2,   ///< z along the cylinder's axis
 };
 
 struct TargetFrame {
   Eigen::Matrix3d R_TB = Eigen::Matrix3d::Identity();  ///< takes B components to T components
   FrameSource source = FrameSource::kPrincipal;
-  /// Axes that the body's geometry fixes. The others are arbitrary: a ball has none, a smooth
+  /// Axes that the body's geometry determines. The others are arbitrary: a ball has none, a smooth
   /// cylinder one.
   std::array<bool, 3> axes_known{};
 };
@@ -42,9 +43,10 @@ TargetFrame frame_from_cylinder(const Cylinder& cylinder, const Planes& planes);
 /// x along the largest spread, z along the least.
 TargetFrame frame_from_points(std::span<const Eigen::Vector3d> points_T);
 
-/// The same axes named as in `previous`: the nearest of the 24 right-handed relabellings of a box's
-/// axes. A round body leaves the rotation about its axis open. Its axis keeps the name of the
-/// nearest previous axis, and the other two stay as near to the previous ones as they can.
+/// Names the axes as in `previous`: takes the nearest of the 24 right-handed relabellings of a
+/// box's axes. A round body leaves the rotation about its axis undetermined. Its axis keeps the
+/// name of the nearest previous axis, and the other two stay as near to the previous ones as they
+/// can.
 TargetFrame relabel_like(const TargetFrame& frame, const TargetFrame& previous);
 
 }  // namespace polhode

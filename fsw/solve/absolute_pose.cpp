@@ -19,15 +19,15 @@
 namespace polhode {
 namespace {
 
-// A residual of 2 sigma has half its weight: takes 9 % of the information of normal data, and
-// stands the heavy tails of feature positions (decision 0024).
+// Width of the Cauchy loss: a residual of 2 sigma has half its weight. It takes 9 % of the
+// information of normal data, and tolerates the heavy tails of feature positions (decision 0024).
 constexpr double kCauchySigma = 2.0;
 // Squared error of a point behind the camera: far beyond any gate.
 constexpr double kBehindError2 = 1e12;
-// P3P takes three points; a fourth chooses among its four solutions.
+// Points of a sample: P3P needs three; a fourth chooses among its four solutions.
 constexpr int kPointsMin = 4;
 constexpr std::size_t kSolutions = 4;
-// Chosen; smaller draws longer.
+// Probability that all samples have outliers. Chosen; smaller draws longer.
 constexpr double kMissed = 1e-3;
 // Rounds of choosing inliers and refining on them. Chosen.
 constexpr int kRounds = 3;
@@ -51,7 +51,7 @@ double score(const Pose& pose, std::span<const PoseObservation> observations, do
   return sum;
 }
 
-/// Up to four poses from three points.
+/// Hypotheses from three points: up to four poses.
 FixedVector<Pose, kSolutions> poses_through(std::span<const PoseObservation> observations,
                                             const Sample<3>& sample) {
   opengv::bearingVectors_t bearings;
@@ -76,7 +76,7 @@ Pose find_pose(std::span<const PoseObservation> observations,
                const Pose* hint,
                const AbsolutePoseOptions& options) {
   const auto score_of = [&](const Pose* pose, double enough) {
-    return widely([&] { return score(*pose, observations, enough); });
+    return with_avx2([&] { return score(*pose, observations, enough); });
   };
   BestHypothesis<Pose> best;
   if (hint != nullptr) {
@@ -95,7 +95,7 @@ Pose find_pose(std::span<const PoseObservation> observations,
   return best.model;
 }
 
-/// Unknowns: phi and the shift of the position, from the start.
+/// Equations of the fit. Unknowns: phi and the shift of the position, from the initial pose.
 struct PoseEquations : SmallEquations<6> {
   double chi2 = 0.0;
   int used = 0;
@@ -131,7 +131,7 @@ Pose moved(const Pose& start, const PoseEquations::Vector& by) {
   return {.R_CT = so3_exp(by.head<3>()) * start.R_CT, .p_CT = start.p_CT + by.tail<3>()};
 }
 
-/// Flags the observations that agree within kInlierChi2 with a pose that has an error of its own.
+/// Flags the observations that agree within kInlierChi2 with an uncertain pose.
 int mark_within_reach(const Pose& pose,
                       const PoseCovariance& covariance,
                       std::span<const PoseObservation> observations,
@@ -153,8 +153,8 @@ int mark_within_reach(const Pose& pose,
   return count;
 }
 
-/// What is known of a pose beside the observations: its information at the fit's start, and the
-/// part of it that the result's covariance counts.
+/// Prior of a pose: its information at the initial pose, and the part of it that counts in the
+/// result's covariance.
 struct Prior {
   PoseCovariance information = PoseCovariance::Zero();
   double part = 0.0;
@@ -168,11 +168,12 @@ Result<AbsolutePose> fit(std::span<const PoseObservation> observations,
                          std::span<const std::uint8_t> inlier) {
   POLHODE_ASSERT(observations.size() == inlier.size(), inlier.size());
   const SmallFitOptions options{.steps_max = 12,        // chosen: three or four settle
-                                .damping_first = 1e-6,  // P3P or the last frame starts near by
+                                .damping_first = 1e-6,  // the initial pose by P3P or by the last
+                                                        // frame is near
                                 .first_three = FirstThree::kRotation};
-  int used_min = -1;  // points in front of the camera at the start: none may fall behind it
+  int used_min = -1;  // points in front of the camera at first: none may fall behind it
   const auto linearise = [&](const PoseEquations::Vector& by, PoseEquations* at) {
-    *at = widely([&] { return sum_up(observations, moved(start, by), inlier); });
+    *at = with_avx2([&] { return sum_up(observations, moved(start, by), inlier); });
     used_min = used_min < 0 ? at->used : used_min;
     at->H += prior.information;
     at->g += prior.information * by;

@@ -19,7 +19,7 @@ struct PoseObservation {
 
 struct AbsolutePoseOptions {
   int iterations_max = 200;  ///< finds three inliers among 32 % with 99.9 % probability
-  int inliers_min = 12;      ///< four times what determines a pose
+  int inliers_min = 12;      ///< four times the least that determine a pose
   std::uint64_t seed = 0;
   std::uint64_t stream = 0;
 };
@@ -32,14 +32,14 @@ struct AbsolutePose {
   double chi2 = 0.0;  ///< over the inliers, 2 * inliers - 6 degrees of freedom
 };
 
-/// Gate of inliers, in sigma squared: 4 sigma (decision 0024). Normal errors of two
-/// coordinates lie beyond with a probability of 3e-4. Feature positions have heavier tails, which
-/// the robust loss weighs down between 2 and 4 sigma.
+/// Gate of inliers, in sigma squared: 4 sigma (decision 0024). Normal errors of two coordinates lie
+/// beyond with a probability of 3e-4. Feature positions have heavier tails; the robust loss lowers
+/// their weights between 2 and 4 sigma.
 inline constexpr double kInlierChi2 = 16.0;
 
 /// Consensus of P3P hypotheses, then three rounds of choosing inliers and a robust fit (Cauchy) to
 /// them.
-/// @param inlier  out, one octet per observation.
+/// @param inlier  out, one byte per observation.
 /// @param hint    tried as the first hypothesis when given.
 /// @errors TooFewObservations, NoConsensus.
 /// @source P3P: Kneip, Scaramuzza, Siegwart, CVPR 2011, via OpenGV.
@@ -48,7 +48,8 @@ Result<AbsolutePose> absolute_pose(std::span<const PoseObservation> observations
                                    const AbsolutePoseOptions& options,
                                    std::span<std::uint8_t> inlier);
 
-/// Flags the observations that agree with a pose within kInlierChi2. @return how many.
+/// Flags the observations that agree with a pose within kInlierChi2.
+/// @return their number.
 int mark_inliers(const Pose& pose,
                  std::span<const PoseObservation> observations,
                  std::span<std::uint8_t> inlier);
@@ -59,12 +60,12 @@ Result<AbsolutePose> refine_pose(std::span<const PoseObservation> observations,
                                  const Pose& pose,
                                  std::span<const std::uint8_t> inlier);
 
-/// The most likely pose where the observations alone may be too few: three rounds of choosing those
-/// that agree, within the prior's own reach at first, and a robust fit to them and the prior.
-/// @param prior       expected, with `prior_covariance` of (phi, dp).
-/// @param inlier      out, one octet per observation.
-/// @return covariance: of the observations, the prior counting a tenth so that it stays finite. A
-/// motion that is estimated from the result does not learn its own prediction.
+/// The most likely pose where the observations alone may be too few: three rounds of selecting
+/// inliers, within the prior's covariance at first, and a robust fit to them and the prior.
+/// @param prior       predicted pose, with `prior_covariance` of (phi, dp).
+/// @param inlier      out, one byte per observation.
+/// @return covariance: of the observations, with a tenth of the prior's information so that it
+/// stays finite. A motion estimated from the result is then not confirmed by its own prediction.
 /// @errors TooFewObservations (fewer agree than options.inliers_min), Degenerate.
 Result<AbsolutePose> pose_with_prior(std::span<const PoseObservation> observations,
                                      const Pose& prior,

@@ -24,17 +24,17 @@ constexpr int kSample = 5;
 constexpr int kDraws = 40;
 // Rounds of choosing inliers and fitting them. Chosen.
 constexpr int kRounds = 3;
-// Of a coordinate's standard deviation. 0.3 % of normal coordinates lie beyond, fewer of the means
-// over a track.
+// Gate in standard deviations of a coordinate. 0.3 % of normal coordinates lie beyond, fewer of the
+// means over a track.
 constexpr double kToleranceSigma = 3.0;
-// Inliers. Four determine the subspace; the others show its noise. Chosen.
+// Least inliers. Four determine the subspace; the others show its noise. Chosen.
 constexpr int kInliersMin = 6;
 // "AFFS": the random stream of this sampler.
 constexpr std::uint64_t kStream = 0x41464653ULL;
-// Least part of the largest singular value: keeps a flat shape's axes finite.
+// Least singular value, as a part of the largest: keeps a flat shape's axes finite.
 constexpr double kSingularMin = 1e-9;
-// Least part of the largest eigenvalue of Q: a direction that noise made imaginary becomes a
-// seventh of the longest. Chosen; the adjustment finds the rest.
+// Least eigenvalue of Q, as a part of the largest: a direction that noise made imaginary gets a
+// seventh of the longest. Chosen; the adjustment corrects it.
 constexpr double kEigenvalueMin = 0.02;
 
 /// Leading left singular vectors, from the (small) outer product.
@@ -54,7 +54,7 @@ double median_of(Eigen::VectorXd values) {
   return median(std::span(values.data(), static_cast<std::size_t>(values.size())));
 }
 
-/// Of the frames' coordinates: centre and axes about it.
+/// Centre of the frames' coordinates, and axes about it.
 struct Hypothesis {
   Eigen::VectorXd mean;
   Axes axes;
@@ -70,7 +70,7 @@ Hypothesis through_sample(const ImageMatrix& images, const Sample<kSample>& samp
   return {.mean = mean, .axes = leading_axes(chosen)};
 }
 
-/// Residuals outside the subspace whose median is the least; empty where no sample gave one.
+/// Residuals of the subspace whose median is the least; empty where no sample gave one.
 Eigen::VectorXd consensus_residuals(const ImageMatrix& images, std::uint64_t seed) {
   const auto residuals_of = [&](const Hypothesis& h) {
     return residuals(images.colwise() - h.mean, h.axes);
@@ -133,8 +133,7 @@ Eigen::Matrix3d solve_metric(const Axes& M, double isotropy) {
   const auto count = static_cast<double>(frames);
   A.row(2 * frames) = size;
   b(2 * frames) = count;
-  // The isotropic body: Q a multiple of the unit matrix, of the size that the last equation
-  // demands.
+  // The isotropic body: Q a multiple of the unit matrix, with the size by the last equation.
   const double diagonal = count / size.head<3>().sum();
   const double weight = isotropy * std::sqrt(count) / diagonal;
   A.bottomRows<6>() = weight * Eigen::Matrix<double, 6, 6>::Identity();
@@ -155,7 +154,7 @@ AffineSubspace find_affine_subspace(const ImageMatrix& images,
                                     double sigma_normalised,
                                     std::uint64_t seed) {
   POLHODE_ASSERT(images.rows() >= 6 && images.cols() >= 8, images.cols());
-  POLHODE_ASSERT(images.cols() <= static_cast<Eigen::Index>(limits::kStartTracks), images.cols());
+  POLHODE_ASSERT(images.cols() <= static_cast<Eigen::Index>(limits::kInitialTracks), images.cols());
   AffineSubspace s;
   Eigen::VectorXd r = consensus_residuals(images, seed);
   for (int round = 0; round < kRounds; ++round) {

@@ -1,4 +1,4 @@
-// Shape and motion of a small distant body from tracks that every frame sees (weak perspective).
+// Shape and motion of a small distant body from tracks observed in every frame (weak perspective).
 #pragma once
 
 #include <Eigen/Core>
@@ -17,8 +17,8 @@ using ImageMatrix = Eigen::MatrixXd;
 
 /// x = scale_f * (first two rows of R_f) * p_T + centroid of the frame.
 struct WeakPerspectiveMotion {
-  FixedVector<Eigen::Matrix3d, limits::kStartFrames> R_CT;
-  FixedVector<double, limits::kStartFrames> scale;
+  FixedVector<Eigen::Matrix3d, limits::kInitialFrames> R_CT;
+  FixedVector<double, limits::kInitialFrames> scale;
 };
 
 /// Three-dimensional subspace that the tracks' images span, robust to wrong tracks.
@@ -26,7 +26,7 @@ struct AffineSubspace {
   Eigen::Matrix<double, Eigen::Dynamic, 3> axes;  ///< 2 F rows, orthonormal columns
   Eigen::Vector4d singular_values =
       Eigen::Vector4d::Zero();  ///< of the inliers' images, divided by sqrt(N)
-  FixedVector<std::uint8_t, limits::kStartTracks> inlier;  ///< by column
+  FixedVector<std::uint8_t, limits::kInitialTracks> inlier;  ///< by column
   int inliers = 0;
   bool valid = false;
 };
@@ -40,8 +40,9 @@ AffineSubspace find_affine_subspace(const ImageMatrix& images,
                                     double sigma_normalised,
                                     std::uint64_t seed);
 
-/// Rotations and scales for which the subspace is that of a rigid body, by the linear equations for
-/// Q = A A^T in |m1| = |m2|, m1.m2 = 0, regularised towards a body that is as deep as wide.
+/// Upgrade from affine to metric: rotations and scales for which the subspace is that of a rigid
+/// body, by the linear equations for Q = A A^T in |m1| = |m2|, m1.m2 = 0, regularised towards a
+/// body as deep as wide.
 /// @param isotropy  weight of that regularisation per frame: 0 none; 0.01 weak; 0.3 strong.
 /// @return false when Q has no positive part in two of its directions.
 /// @source Poelman and Kanade, PAMI 1997 (scaled orthography).

@@ -17,10 +17,11 @@
 namespace polhode {
 namespace {
 
-// A prior that is off by more sigmas is weighed down: 1.4 % of normal errors in six numbers are
+// Width of the loss of priors, in sigmas: 1.4 % of normal errors in six numbers are larger
 // (chi-square).
 constexpr double kPriorCauchySigma = 4.0;
-// 1 % of normal errors in three numbers lie beyond (chi-square). A contact lies tens beyond.
+// Width of the loss of rate links: 1 % of normal errors in three numbers lie beyond (chi-square). A
+// contact lies tens of sigmas beyond.
 constexpr double kLinkCauchySigma = 3.4;
 // Ceres eliminates its groups in order.
 constexpr int kPointGroup = 0;
@@ -32,8 +33,8 @@ bool fits(const BundleProblem& problem) {
          problem.observations.size() <= BundleLimits::kObservations;
 }
 
-/// A problem in Ceres's terms. It is built in the order of the poses, points and observations, so
-/// that the same problem gives the same octets.
+/// Builds Ceres's problem in the order of the poses, points and observations, so that the same
+/// problem gives the same bytes.
 class CeresBundle {
  public:
   CeresBundle(const BundleProblem& problem, double cauchy_sigma)
@@ -63,7 +64,7 @@ class CeresBundle {
   }
 
   void take_poses() {
-    poses_.PrepareForEvaluation(false, true);  // the last trial may not be kept
+    poses_.PrepareForEvaluation(false, true);  // Ceres may have rejected the last trial
     for (std::size_t k = 0; k < p_.poses.size(); ++k) {
       p_.poses[k] = poses_[k].pose;
     }

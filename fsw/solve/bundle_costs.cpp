@@ -72,13 +72,13 @@ PosePriorCost::PosePriorCost(const PosePrior& prior, const ChartedPose& pose)
 bool PosePriorCost::Evaluate(double const* const* /*parameters*/,
                              double* residuals,
                              double** jacobians) const {
-  Vector6 departure;
-  departure << so3_log(pose_.pose.R_CT * mean_.R_CT.transpose()), pose_.pose.uvs - mean_.uvs;
-  Eigen::Map<Vector6>{residuals} = root_ * departure;
+  Vector6 deviation;
+  deviation << so3_log(pose_.pose.R_CT * mean_.R_CT.transpose()), pose_.pose.uvs - mean_.uvs;
+  Eigen::Map<Vector6>{residuals} = root_ * deviation;
   if (jacobians != nullptr && jacobians[0] != nullptr) {
     RowMajorMap<kPoseNumbers, kPoseNumbers> by_pose(jacobians[0]);
     by_pose.leftCols<3>() =
-        root_.leftCols<3>() * so3_left_jacobian(departure.head<3>()).inverse() * pose_.turn_by_phi;
+        root_.leftCols<3>() * so3_left_jacobian(deviation.head<3>()).inverse() * pose_.turn_by_phi;
     by_pose.rightCols<3>() = root_.rightCols<3>();
   }
   return true;

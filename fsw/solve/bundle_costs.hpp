@@ -1,4 +1,4 @@
-// What a bundle costs, as Ceres's cost functions with their derivatives written out.
+// Ceres's cost functions of a bundle, with analytic derivatives.
 #pragma once
 
 #include <ceres/evaluation_callback.h>
@@ -13,8 +13,8 @@
 
 namespace polhode {
 
-/// A pose in Ceres's terms: phi of R = exp(phi) R_start, then uvs. A chart about the start: with a
-/// manifold each Jacobian would be multiplied by the manifold's (decision 0041).
+/// A pose as Ceres's parameters: phi of R = exp(phi) R_start, then uvs. A chart about the initial
+/// pose: with a manifold each Jacobian would be multiplied by the manifold's (decision 0041).
 inline constexpr int kPoseNumbers = 6;
 
 struct ChartedPose {
@@ -24,7 +24,7 @@ struct ChartedPose {
   Eigen::Matrix3d turn_by_phi = Eigen::Matrix3d::Identity();  ///< and the left Jacobian there
 };
 
-/// Poses of a bundle at the numbers that Ceres tries: computed once an evaluation.
+/// Poses of a bundle at Ceres's present parameters: computed once an evaluation.
 class ChartedPoses final : public ceres::EvaluationCallback {
  public:
   explicit ChartedPoses(std::span<const InverseDepthPose> start);
@@ -37,8 +37,8 @@ class ChartedPoses final : public ceres::EvaluationCallback {
   std::vector<ChartedPose> poses_;
 };
 
-/// Distance of a point's image from its observation, in sigma, by (pose, p_T). No value where the
-/// point lies behind the camera.
+/// Distance of a point's projection from its observation, in sigma, by (pose, p_T). No value where
+/// the point lies behind the camera.
 class ReprojectionCost final : public ceres::SizedCostFunction<2, kPoseNumbers, 3> {
  public:
   ReprojectionCost(const BundleObservation& observation, const ChartedPose& pose)
@@ -55,7 +55,7 @@ class ReprojectionCost final : public ceres::SizedCostFunction<2, kPoseNumbers, 
   double inverse_sigma_;
 };
 
-/// Departure of a pose from its prior, (phi, uvs), in sigma.
+/// Deviation of a pose from its prior, (phi, uvs), in sigma.
 class PosePriorCost final : public ceres::SizedCostFunction<kPoseNumbers, kPoseNumbers> {
  public:
   PosePriorCost(const PosePrior& prior, const ChartedPose& pose);

@@ -9,8 +9,8 @@
 namespace polhode {
 namespace {
 
-// Observations of a point, in the mean at least: it bounds the memory of points. Two tell a point,
-// and nothing else.
+// Least mean number of observations of a point: it bounds the memory of points. Two observations
+// determine a point, and leave nothing for the poses.
 constexpr std::size_t kViewsMean = 3;
 // Steps of a point that was left out. Chosen: it follows poses that have moved a little.
 constexpr int kFollowingSteps = 5;
@@ -20,7 +20,7 @@ bool fits(const BundleProblem& problem, std::size_t observations_max) {
          problem.points_T.size() <= observations_max / kViewsMean;
 }
 
-/// Points by their number of observations, most first; in their own order where they have as many.
+/// Points by their number of observations, most first; equal ones in their own order.
 std::vector<std::size_t> by_observations(const PointObservations& by_point, std::size_t points) {
   std::vector<std::size_t> order(points);
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -43,7 +43,7 @@ std::vector<std::uint8_t> choose_points(const BundleProblem& problem,
   std::vector<std::size_t> of_pose(problem.poses.size(), 0);
   std::size_t observations_left = observations_max;
   std::size_t points_left = observations_max / kViewsMean;
-  // Half of the room goes to poses that have less than an equal share of that half, the rest to the
+  // Half of the room goes to poses with less than an equal share of that half, the rest to the
   // points with most observations.
   const std::size_t share = observations_max / (2 * problem.poses.size());
   for (const std::size_t of_each : {share, problem.observations.size()}) {

@@ -1,4 +1,4 @@
-// As much of a bundle as an adjustment has memory and time for.
+// Selects a part of a bundle that fits an adjustment's memory and time.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,13 +10,13 @@
 
 namespace polhode {
 
-/// Points of a bundle whose observations are at most so many, and which are at most a third as many
-/// themselves. They are chosen so that every pose keeps its share; among those the points with most
-/// observations. All of them where they fit.
-/// @return 1 for each point that is in.
+/// Selects points with at most `observations_max` observations in all, and at most a third of that
+/// number of points. Every pose keeps its share; among the candidates those with most observations
+/// come first. All points where they fit.
+/// @return 1 for each selected point.
 std::vector<std::uint8_t> choose_points(const BundleProblem& problem, std::size_t observations_max);
 
-/// The chosen points with their observations, as a problem of its own on the same poses.
+/// The selected points with their observations, as a problem of its own on the same poses.
 class BundlePart {
  public:
   BundlePart(const BundleProblem& whole, std::size_t observations_max);
@@ -25,7 +25,7 @@ class BundlePart {
 
   [[nodiscard]] const BundleProblem& problem() const { return part_; }
 
-  /// Writes the points back, and settles those that were left out at the poses as they are now.
+  /// Writes the points back, and re-solves the omitted ones for the present poses.
   void put_back(double cauchy_sigma) const;
 
  private:

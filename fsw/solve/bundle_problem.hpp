@@ -1,4 +1,4 @@
-// Poses, points and their images: what an adjustment changes, and what it reports.
+// Input and result of a bundle adjustment: poses, points and observations.
 #pragma once
 
 #include <Eigen/Core>
@@ -27,40 +27,40 @@ struct PosePrior {
   Eigen::Matrix<double, 6, 6> information = Eigen::Matrix<double, 6, 6>::Zero();
 };
 
-/// Three or four poses in the order of time, whose rate of rotation changes as a free body's. With
-/// Q = R_IC R_CT, the sum of factors[m] log(Q_(m+1) Q_m^T) is zero with a sigma an axis of the
-/// whole turn over turn_rad: in proportion, so that a map whose depths and turns are all too small
-/// costs the same.
+/// Link of three or four successive poses by the rates of rotation between them, which change
+/// slowly. With Q = R_IC R_CT, the sum of factors[m] log(Q_(m+1) Q_m^T) is zero. Its sigma for each
+/// axis is the whole turn over turn_rad: in proportion, so that a map whose depths and rotations
+/// are all too small has the same cost.
 struct RateLink {
-  // Of three rates, which have two changes.
+  // Of three rates, with two changes.
   static constexpr std::size_t kPoses = 4;
-  // Of poses' own noise, added to the whole turn in squares: a body at rest is not held the more
-  // for it. 0.6 deg.
+  // Noise of poses, added to the whole turn in squares: else a link would constrain a body at rest
+  // too strongly. 0.6 deg.
   static constexpr double kTurnLeast_rad = 0.01;
   FixedVector<std::int32_t, kPoses> poses;         ///< indices
   std::array<double, kPoses - 1> factors_1_rad{};  ///< of the turn from each pose to the next
-  double turn_rad = 1.0;                           ///< the whole one when the link was made
+  double turn_rad = 1.0;                           ///< the whole turn when the link was made
 };
 
-/// The most that an adjustment can hold.
+/// Capacities of an adjustment.
 struct BundleLimits {
   static constexpr std::size_t kPoses = limits::kKeyframes;
   static constexpr std::size_t kPoints = limits::kLandmarks;
   static constexpr std::size_t kObservations = limits::kAdjustmentObservations;
 };
 
-/// Heap that an adjustment of so many observations takes at most: those of Ceres's residuals and
-/// Jacobian, some of its points, and the dense system of all poses. tests/memory measures it.
-constexpr std::size_t adjustment_octets_max(std::size_t observations, std::size_t poses) {
-  // 700 were measured with six or more views a point, 860 with three, the least in the mean.
+/// Bound on the heap of an adjustment: Ceres's residuals and Jacobian, its points, and the dense
+/// system of all poses. tests/memory measures it.
+constexpr std::size_t adjustment_bytes_max(std::size_t observations, std::size_t poses) {
+  // Bytes: 700 were measured with six or more views a point, 860 with three, the least mean number.
   constexpr std::size_t kOfObservation = 870;
-  // 1.1 million were measured.
+  // Bytes: 1.1 million were measured.
   constexpr std::size_t kOfAll = 1'200'000;
   const std::size_t unknowns = 6 * poses;
   return kOfObservation * observations + sizeof(double) * unknowns * unknowns + kOfAll;
 }
 
-/// Poses and points are changed in place; at most as many as BundleLimits says. Where fewer than
+/// Poses and points are changed in place; at most as many as in BundleLimits. Where fewer than
 /// two poses are fixed, only the damping constrains the rest of the gauge: the caller re-aligns.
 struct BundleProblem {
   std::span<InverseDepthPose> poses;
@@ -76,7 +76,7 @@ struct BundleProblem {
 struct BundleOptions {
   int iterations_max = 10;    ///< a bound: it ends when the cost has settled
   double cauchy_sigma = 2.0;  ///< at this many sigma a residual has half its weight
-  /// Further ones are left out with their points, which follow the poses afterwards.
+  /// Points beyond this number are left out; they follow the poses afterwards.
   std::size_t observations_max = BundleLimits::kObservations;
 };
 

@@ -22,13 +22,13 @@
 namespace polhode {
 namespace {
 
-// Ceres eliminates its groups in order, and what is in one by address. So what is in another place
-// has a group of its own: else the order would be the allocator's.
+// Groups of Ceres's elimination order. Within a group it goes by address, which depends on the
+// allocator: blocks in separately allocated memory get a group of their own.
 enum Group { kPoints, kPoses, kCamera };
 constexpr int kNumbers = static_cast<int>(kDeviations);
 using ByDeviations = Eigen::Matrix<double, 2, kNumbers, Eigen::RowMajor>;
 
-/// How an observation's image point moves: by s of time.
+/// Derivative of an observation's image point by time, per s.
 Eigen::Vector2d flow_of(const InverseDepthPose& pose,
                         const Eigen::Vector3d& p_T,
                         const PoseMotion& motion) {
@@ -50,10 +50,10 @@ ImageRates rates_of(std::span<const PoseMotion> motions) {
   return {std::sqrt(squares.turn_rad_s / count), std::sqrt(squares.shift_s / count)};
 }
 
-/// As ReprojectionCost, in an image of a camera that deviates: by (pose, p_T, deviations). With x
-/// the projection, x' its rate, and f, z, a, c, r, h the deviations in their order, the image is
-///   diag(e^(f + z phase - a/2), e^(f + z phase + a/2)) (x + x' (r row + h side)) + c,
-/// row from -0.5 to 0.5 or so over the rows, side -0.5 in the upper half and 0.5 in the lower.
+/// As ReprojectionCost, for a camera with deviations: by (pose, p_T, deviations). With x the
+/// projection, x' its rate, and f, z, a, c, r, h the deviations in their order, the image is
+/// diag(e^(f + z phase - a/2), e^(f + z phase + a/2)) (x + x' (r row + h side)) + c, row from about
+/// -0.5 to 0.5 over the rows, side -0.5 in the upper half and 0.5 in the lower.
 class DeviatingCost final : public ceres::SizedCostFunction<2, kPoseNumbers, 3, kNumbers> {
  public:
   /// @param flow  of the image point, taken as constant
@@ -107,7 +107,7 @@ class DeviatingCost final : public ceres::SizedCostFunction<2, kPoseNumbers, 3, 
       Eigen::Map<Eigen::VectorXd>(jacobian + columns, columns) *= scale.y();
     }
   }
-  ReprojectionCost projection_;  ///< of a measured (0, 0): the projection itself, in sigma
+  ReprojectionCost projection_;  ///< projection in sigma: residual of an observation (0, 0)
   Eigen::Vector2d measured_;
   double inverse_sigma_;
   double phase_;
@@ -115,8 +115,9 @@ class DeviatingCost final : public ceres::SizedCostFunction<2, kPoseNumbers, 3, 
   Eigen::Vector2d by_half_;
 };
 
-/// How far cameras deviate, 1-sigma. It holds what the images do not tell, and what a broken map
-/// would tell: a ratio of pixels beyond all sensors, rows that are read for longer than a frame.
+/// Prior of the deviations, 1-sigma. It constrains deviations that the images do not determine, and
+/// bounds those that a broken map would suggest: pixels of impossible aspect, rows that are read
+/// for longer than a frame.
 class DeviationPrior final : public ceres::SizedCostFunction<kNumbers, kNumbers> {
  public:
   explicit DeviationPrior(const CameraProblem& problem) {
@@ -127,9 +128,9 @@ class DeviationPrior final : public ceres::SizedCostFunction<kNumbers, kNumbers>
   [[nodiscard]] DeviationInformation information() const {
     return DeviationInformation(inverse_.cwiseAbs2().asDiagonal());
   }
-  /// No camera deviates by more: what does is a broken map.
+  /// Bound on deviations: only a broken map exceeds it.
   [[nodiscard]] bool allows(const Deviations& deviations) const {
-    // Of a normal error one in 370 is beyond.
+    // In sigmas: of normal errors one in 370 is beyond.
     constexpr double kSigmas = 3.0;
     return inverse_.cwiseProduct(deviations).cwiseAbs().maxCoeff() < kSigmas;
   }
@@ -148,8 +149,8 @@ class DeviationPrior final : public ceres::SizedCostFunction<kNumbers, kNumbers>
   Deviations inverse_;
 };
 
-/// Copies of a problem's poses and points in Ceres's terms, with the deviations. Solved several
-/// times, each time from where it ended.
+/// Copies of a problem's poses and points as Ceres's parameters, with the deviations. It is solved
+/// several times, each time from the last result.
 class DeviatingBundle {
  public:
   DeviatingBundle(const CameraProblem& whole, const BundleProblem& bundle, double cauchy_sigma)
@@ -180,17 +181,17 @@ class DeviatingBundle {
     }
   }
 
-  /// @param hold  keep the camera as it is
-  BundleReport solve(bool hold, int iterations_max) {
-    if (hold) {
+  /// @param fixed  the camera is constant
+  BundleReport solve(bool fixed, int iterations_max) {
+    if (fixed) {
       ceres_.SetParameterBlockConstant(deviations_.data());
     } else {
       ceres_.SetParameterBlockVariable(deviations_.data());
     }
     ceres::Solver::Options options = solver_options(iterations_max);
     options.linear_solver_type = ceres::DENSE_SCHUR;
-    // A step that gains less is not taken. A focal length settles along a weak direction, and a
-    // gain of one in the cost is 1.4 sigma.
+    // Least gain of a step. A focal length settles along a weak direction, and a gain of one in the
+    // cost is 1.4 sigma.
     options.function_tolerance = 1e-7;
     options.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
     for (Eigen::Vector3d& point : points_) {
@@ -211,9 +212,9 @@ class DeviatingBundle {
     return deviations_.allFinite() && prior_.allows(deviations_);
   }
 
-  /// What the images say of the deviations where the bundle is now, points and poses eliminated.
+  /// Information matrix of the deviations at the present bundle, points and poses eliminated.
   DeviationInformation information() {
-    constexpr double kGauge = 1e-6;  // of what no image tells: small beside any that one does
+    constexpr double kGauge = 1e-6;  // of the gauge: far below the information of any image
     const auto size = static_cast<Eigen::Index>(kPoseNumbers * bundle_.poses.size()) + kNumbers;
     const Eigen::Index others = size - kNumbers;
     Eigen::MatrixXd H = Eigen::MatrixXd::Zero(size, size);
@@ -245,7 +246,7 @@ class DeviatingBundle {
     return order;
   }
 
-  /// One observation's part: H of poses and deviations, V of its point, W between the two.
+  /// Blocks of one observation: H of poses and deviations, V of its point, W between the two.
   void add(std::size_t index,
            Eigen::MatrixXd* H,
            Eigen::Matrix<double, 3, Eigen::Dynamic>* W,
@@ -265,7 +266,7 @@ class DeviatingBundle {
     if (bundle_.pose_fixed[k] != 0) {
       by_pose.setZero();
     }
-    std::array<double, 3> loss{};  // the loss, its slope and that one's
+    std::array<double, 3> loss{};  // the loss and its first two derivatives
     loss_.Evaluate(residual.squaredNorm(), loss.data());
     Eigen::Matrix<double, 2, kPoseNumbers + kNumbers> J;
     J << by_pose, by_deviations;
@@ -306,8 +307,8 @@ CameraFit adjust_camera(const CameraProblem& problem, const BundleOptions& optio
   if (!as_given.usable || !as_found.usable || !bundle.is_plausible() || !by_images.allFinite()) {
     return {};
   }
-  // Errors along one track are alike: decision 0085 has two to three times the residual. A misfit
-  // that the sigmas do not explain counts, too: half a square of two residuals is expected to be 1.
+  // Factor on the sigmas for correlated errors along a track: decision 0085 has two to three. A
+  // misfit beyond the sigmas counts, too: half a square of two residuals is expected to be 1.
   constexpr double kAlike = 3.0;
   const double level =
       kAlike * kAlike * std::max(1.0, as_found.cost_after / static_cast<double>(observations));

@@ -4,20 +4,21 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/sound.hpp"
+#include "base/validity.hpp"
 
 namespace polhode {
 namespace {
 
 using Members = std::array<std::uint8_t, kDeviations>;
 
-/// Deviations that are one statement.
+/// Deviations that are tested together.
 struct Kind {
   Deviation first;
   std::size_t count = 1;
-  double least = 0.0;  ///< off by less nothing is contradicted
+  double least = 0.0;  ///< a smaller deviation does not contradict
 };
-// Measured: right ones are off by up to 1.9 % where the sigma is under 2 % (decision 0083).
+// Least focal deviation: with right cameras it is up to 1.9 % where the sigma is under 2 %
+// (decision 0083).
 constexpr double kFocalLeast = 0.08;
 constexpr std::array<Kind, 6> kKinds = {{{Deviation::kFocal, 1, kFocalLeast},
                                          {Deviation::kZoom, 1, kFocalLeast},
@@ -26,7 +27,8 @@ constexpr std::array<Kind, 6> kKinds = {{{Deviation::kFocal, 1, kFocalLeast},
                                          {Deviation::kReadout},
                                          {Deviation::kHalf}}};
 
-/// Chi-square of as many freedoms that a right camera exceeds in one test of 16,000: four sigma.
+/// Chi-square, by degrees of freedom, that a right camera exceeds in one test of 16,000: four
+/// sigma.
 constexpr std::array<double, 3> kChi2Max = {0.0, 16.0, 19.3};
 
 Members with(Members members, const Kind& kind, std::uint8_t free = 1) {
@@ -34,11 +36,11 @@ Members with(Members members, const Kind& kind, std::uint8_t free = 1) {
   return members;
 }
 
-/// The least squares of the fit's quadratic form where only the members are free.
+/// Minimum of the fit's quadratic form where only the members are free.
 struct Explained {
   Deviations value = Deviations::Zero();
   Deviations sigma = Deviations::Zero();
-  double chi2 = 0.0;  ///< by which it falls
+  double chi2 = 0.0;  ///< fall of chi-square
 };
 
 Explained explained_by(const Members& members, const CameraFit& fit) {
@@ -70,14 +72,15 @@ Members all_kinds() {
   return all;
 }
 
-/// One after the other is held that explains least, until each explains more than chance would, and
-/// no more than the cost fell by: the form itself is of the fit's end alone.
+/// Fixes the kind of deviation that explains least, one after the other, until each explains more
+/// than chance would. No kind explains more than the fall of the cost: the quadratic form is exact
+/// at the fit's end only.
 Members backward_elimination(const CameraFit& fit) {
   Members members = all_kinds();
   while (true) {
     const double now = explained_by(members, fit).chi2;
     const Kind* least = nullptr;
-    double least_part = 1.0;  // of what is more than chance
+    double least_part = 1.0;  // ratio of a kind's gain to the limit by chance
     for (const Kind& kind : kKinds) {
       if (has(members, kind)) {
         const double loss = now - explained_by(with(members, kind, 0), fit).chi2;
@@ -146,7 +149,7 @@ CameraFinding joined(const CameraFinding& earlier, const CameraFinding& later) {
   return held;
 }
 
-bool is_sound(const CameraFinding& found) {
+bool is_valid(const CameraFinding& found) {
   for (const Kind& kind : kKinds) {
     const auto* first = &found.contradicted[static_cast<std::size_t>(kind.first)];
     const auto alike = std::count(first, first + kind.count, *first);
@@ -154,10 +157,10 @@ bool is_sound(const CameraFinding& found) {
       return false;
     }
   }
-  return sound::is_bounded(found.value) && sound::is_bounded(found.sigma) &&
-         sound::is_bounded(std::exp(found.value.head<3>().cwiseAbs().maxCoeff())) &&
-         found.sigma.minCoeff() >= 0.0 && sound::is_at_least(found.rates.turn_rad_s, 0.0) &&
-         sound::is_at_least(found.rates.shift_s, 0.0);
+  return validity::is_bounded(found.value) && validity::is_bounded(found.sigma) &&
+         validity::is_bounded(std::exp(found.value.head<3>().cwiseAbs().maxCoeff())) &&
+         found.sigma.minCoeff() >= 0.0 && validity::is_at_least(found.rates.turn_rad_s, 0.0) &&
+         validity::is_at_least(found.rates.shift_s, 0.0);
 }
 
 DeviationText describe(Deviation deviation, const CameraFinding& found, const CameraModel& c) {
@@ -188,13 +191,13 @@ DeviationText describe(Deviation deviation, const CameraFinding& found, const Ca
 
 CameraError error_by(const CameraFinding& found, double size) {
   const double zoom = part_of(found, Deviation::kZoom);
-  // A zoom has a middle, too, that is off by less than is told by itself.
+  // With a zoom the deviation of the mean focal length counts, too, even where it is insignificant.
   const double focal = (zoom > 0.0 ? std::abs(found.of(Deviation::kFocal)) + 0.5 * zoom
                                    : part_of(found, Deviation::kFocal));
   const double aspect = part_of(found, Deviation::kAspect);
   const double point =
       std::hypot(part_of(found, Deviation::kPrincipalU), part_of(found, Deviation::kPrincipalV));
-  // A body is in the middle of the rows or anywhere: half of the time either way.
+  // Rows are off by at most half of the time, before or after the middle row.
   const double late_s =
       0.5 * (part_of(found, Deviation::kReadout) + part_of(found, Deviation::kHalf));
   return {.attitude_rad = focal * size + aspect + point + late_s * found.rates.turn_rad_s,

@@ -10,7 +10,7 @@ inline double cauchy_weight(double error2, double width) {
   return 1.0 / (1.0 + error2 / (width * width));
 }
 
-/// Sum of the losses of many residuals, by one logarithm of their product for many.
+/// Sum of the losses of many residuals, with one logarithm for the product of many.
 class CauchySum {
  public:
   explicit CauchySum(double width) : width2_(width * width), inverse_width2_(1.0 / width2_) {}
@@ -25,7 +25,8 @@ class CauchySum {
   [[nodiscard]] double value() const { return width2_ * (logs_ + std::log(product_)); }
 
  private:
-  static constexpr double kLarge = 1e150;  // half a double's exponents: no overflow by one factor
+  static constexpr double kLarge = 1e150;  // half of a double's exponents: one more factor does not
+                                           // overflow
   double width2_;
   double inverse_width2_;
   double logs_ = 0.0;

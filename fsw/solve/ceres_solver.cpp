@@ -11,14 +11,14 @@ ceres::Problem::Options problem_options(ceres::EvaluationCallback* callback) {
   options.evaluation_callback = callback;
   options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  // They compare addresses of blocks with each other, which takes as long as a step. What is added
-  // here comes from one place and is right by its types.
+  // Ceres's safety checks compare addresses of blocks, which takes as long as a step. Our blocks
+  // are added in one place, with fixed types.
   options.disable_all_safety_checks = true;
   return options;
 }
 
 ceres::Solver::Options solver_options(int iterations_max) {
-  // Its messages would go to the standard error and to files; what it has to say is in the summary.
+  // Its messages would go to the standard error and to files; the summary has the same content.
   FLAGS_minloglevel = google::GLOG_FATAL;
   ceres::Solver::Options options;
   options.max_num_iterations = iterations_max;
@@ -26,13 +26,13 @@ ceres::Solver::Options solver_options(int iterations_max) {
   options.logging_type = ceres::SILENT;
   options.trust_region_strategy_type = ceres::LEVENBERG_MARQUARDT;
   options.dense_linear_algebra_library_type = ceres::EIGEN;  // LAPACK may use threads
-  // Damping goes by each unknown's own curvature as it is.
+  // Damping relative to each unknown's curvature, unscaled.
   options.jacobi_scaling = false;
-  // Ceres's own. From 1e4 to 1e10 adjustments took the same steps (decision 0041).
+  // Ceres's default. From 1e4 to 1e10 adjustments took the same steps (decision 0041).
   options.initial_trust_region_radius = 1e4;
   // Relative gain. Small, because weak directions settle last (decision 0041).
   options.function_tolerance = 5e-5;
-  // Only the gain decides: a gradient's or a step's size depends on the units of the map.
+  // Only the gain ends an adjustment: the size of a gradient or a step depends on the map's unit.
   options.gradient_tolerance = 0.0;
   options.parameter_tolerance = 0.0;
   // Beyond this damping, 1e12, steps are too small to matter.

@@ -13,29 +13,29 @@
 namespace polhode {
 namespace {
 
-// (wx, wy, wz) T in rad and scale change over the interval T.
+// Rotation (wx, wy, wz) T in rad and change of scale over the interval T.
 using Motion4 = Eigen::Vector4d;
-// Combinations of tracks that are kept. A rigid body's images have rank three; the others hold what
-// a motion leaves unexplained. Chosen.
+// Combinations of tracks that are kept. A rigid body's images have rank three; the others contain
+// the residuals of a motion. Chosen.
 constexpr Eigen::Index kColumns = 6;
 using Images = Eigen::Matrix<double, Eigen::Dynamic, kColumns>;
 using Jacobian = Eigen::
-    Matrix<double, Eigen::Dynamic, 4, 0, 2 * static_cast<int>(limits::kStartFrames* kColumns), 4>;
+    Matrix<double, Eigen::Dynamic, 4, 0, 2 * static_cast<int>(limits::kInitialFrames* kColumns), 4>;
 using Model =
-    Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 2 * static_cast<int>(limits::kStartFrames), 3>;
+    Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 2 * static_cast<int>(limits::kInitialFrames), 3>;
 
-// Axes in the image plane 15 deg apart: each minimum has a start within 8 deg.
+// Axes in the image plane, 15 deg apart: one is within 8 deg of each minimum.
 constexpr int kAzimuths = 12;
-// Rotations about an in-plane axis over the interval, deg: a factor of about 1.6 apart, from where
-// depth begins to show to a third of a turn.
+// Rotations about an in-plane axis over the interval, deg: a factor of about 1.6 apart, from the
+// onset of depth to a third of a turn.
 constexpr std::array<double, 7> kRotations_deg = {6.0, 10.0, 16.0, 26.0, 42.0, 68.0, 110.0};
-// Steps from each start. Chosen; the adjustment of the hypotheses goes on from there.
+// Steps from each grid point. Chosen; the adjustment of the hypotheses goes on from there.
 constexpr int kSteps = 8;
-// Chosen: a start is up to 8 deg and a third of the rotation off.
+// First damping. Chosen: a grid point is up to 8 deg and a third of the rotation off.
 constexpr double kDampingFirst = 1e-2;
 // Norm under which a model column depends on the others: columns without depth are rounding.
 constexpr double kNormMin = 1e-6;
-// Motions within a tenth of their in-plane rotation are one minimum, and within a tenth of 3 deg.
+// Two motions within a tenth of their in-plane rotation, or of 3 deg, are one minimum.
 constexpr double kSame = 0.1;
 constexpr double kSameFrom_rad = 0.05;
 // Least image scale: a wrong rate cannot make it negative. Chosen.
@@ -63,7 +63,7 @@ Model model_axes(const Motion4& motion, const Eigen::VectorXd& t) {
   return M;
 }
 
-/// What the best shape for this motion leaves unexplained.
+/// Residual of the best shape for this motion.
 Images residual(const Motion4& motion, const Images& images, const Eigen::VectorXd& t) {
   Model Q = model_axes(motion, t);
   // Gram-Schmidt; a column that depends on the others (no rotation: no depth) drops out.
@@ -82,7 +82,7 @@ struct Minimum {
   double residual2;
 };
 
-/// By forward differences.
+/// Derivatives by forward differences.
 bool linearise(const Motion4& motion,
                const Images& images,
                const Eigen::VectorXd& t,
@@ -151,13 +151,13 @@ ConstantRateMotions search_constant_rate(const ImageMatrix& images,
       times_s.size() >= 3 && images.rows() == 2 * static_cast<Eigen::Index>(times_s.size()),
       images.rows());
   if (!(times_s.back() > times_s.front())) {
-    return {};  // times of years and of nanoseconds in one start
+    return {};  // times of years and of nanoseconds in one problem
   }
   const Eigen::VectorXd t = relative_times(times_s);
   const Images compressed = compress(images);
   FixedVector<Minimum, kAzimuths * kRotations_deg.size()> minima;
   for (int a = 0; a < kAzimuths; ++a) {
-    // Half a circle: the other half are the depth-reversed solutions.
+    // Half a circle: the other half has the depth-reversed solutions.
     const double azimuth = std::numbers::pi * (a + 0.5) / kAzimuths;
     for (const double rotation_deg : kRotations_deg) {
       const double rotation_rad = rotation_deg * std::numbers::pi / 180.0;

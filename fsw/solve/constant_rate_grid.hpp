@@ -1,4 +1,4 @@
-// A body that rotates at a constant rate, seen from far away: search over rates, shape solved for.
+// A distant body with a constant rate of rotation: search over rates, with the shape solved for.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,7 +16,7 @@ struct ConstantRateMotion {
   double residual2 = 0.0;       ///< sum of squares outside the model, normalised units
 };
 
-// Minima that are kept. Chosen: each costs an adjustment, with its depth-reversed solution two.
+// Minima that are kept. Chosen: each costs two adjustments, one for its depth-reversed solution.
 inline constexpr std::size_t kConstantRateMotions = 4;
 using ConstantRateMotions = FixedVector<ConstantRateMotion, kConstantRateMotions>;
 

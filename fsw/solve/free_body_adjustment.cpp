@@ -222,7 +222,7 @@ class MotionAndPoints final : public ceres::EvaluationCallback {
   /// How each settled point follows the unknowns, and the information that is left of them then.
   void linearise_points() {
     information_ = prior().asDiagonal();
-    widely([&] {
+    with_avx2([&] {
       std::fill(of_poses_.begin(), of_poses_.end(), Eigen::Matrix<double, 6, 6>::Zero());
       for (std::size_t i = 0; i < points_T_.size(); ++i) {
         linearise_point(i);
@@ -291,7 +291,7 @@ class FollowedPointCost final : public ceres::SizedCostFunction<2, kFreeBodyUnkn
                 double* residuals,
                 double** jacobians) const override {
     double* J = jacobians != nullptr ? jacobians[0] : nullptr;
-    return at_.possible() && widely([&] { return evaluate(residuals, J); });
+    return at_.possible() && with_avx2([&] { return evaluate(residuals, J); });
   }
 
  private:

@@ -57,7 +57,7 @@ struct FreeBodyReport {
 /// motion, poses and points then mean nothing.
 /// @cost for each trial a settling of all points, two to three linearisations of all observations;
 /// for each motion that is kept one more and a dense system of twenty. Deterministic; heap by
-/// adjustment_octets_max().
+/// adjustment_bytes_max().
 /// @source Golub and Pereyra, Inverse Problems 19, 2003; Kaufman, BIT 15, 1975 (variable
 /// projection).
 FreeBodyReport adjust_free_body(const FreeBodyProblem& problem, const BundleOptions& options);

@@ -14,11 +14,11 @@
 namespace polhode {
 namespace {
 
-// Chi-square of two coordinates, 99 %.
+// Gate: chi-square of two coordinates, 99 %.
 constexpr double kTransferMax2 = 9.21;
 // Rounds of choosing inliers and fitting them. Chosen.
 constexpr int kRounds = 3;
-// Pairs: twice what determines a homography.
+// Least pairs: twice the least that determine a homography.
 constexpr std::size_t kPairsMin = 8;
 // "HO": the random stream of this sampler.
 constexpr std::uint64_t kStream = 0x484FULL;
@@ -98,7 +98,7 @@ double score_of(std::span<const Eigen::Vector2d> x_a,
   return sum;
 }
 
-/// Sign and size for which the middle singular value is 1 and the points have positive depth.
+/// Scales H so that its middle singular value is 1, with the sign of positive depths.
 Eigen::Matrix3d euclidean(const Eigen::Matrix3d& H, const Eigen::Vector2d& x_a) {
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(H);
   const double sign = (H * x_a.homogeneous()).z() < 0.0 ? -1.0 : 1.0;

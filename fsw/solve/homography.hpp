@@ -1,4 +1,4 @@
-// A single flat panel between two views: the homography and both of its motions.
+// A flat panel in two views: the homography and both of its motions.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,7 +22,7 @@ struct HomographyFit {
   double score = 0.0;  ///< truncated sum of squared transfer errors, in sigma
   int inliers = 0;
   FixedVector<PanelMotion, 4>
-      motions;  ///< those that have the panel in front of both cameras: two as a rule
+      motions;  ///< those with the panel in front of both cameras, two as a rule
 };
 
 /// Consensus of four-point samples, least squares on the inliers, decomposition.

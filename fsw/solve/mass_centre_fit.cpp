@@ -13,11 +13,12 @@
 namespace polhode {
 namespace {
 
-// Twelve coordinates for nine unknowns.
+// Least samples: twelve coordinates for nine unknowns.
 constexpr std::size_t kSamplesMin = 4;
-// The first has equal weights, each later one weights by the residuals before. Chosen.
+// Rounds: the first has equal weights, each later one the weights by the last residuals. Chosen.
 constexpr int kRounds = 4;
-// Least variance found over declared: exact data must not divide by zero. A hundredth of the sigma.
+// Least ratio of found to declared variance, so that exact data divide by no zero. A hundredth of
+// the sigma.
 constexpr double kScale2Min = 1e-4;
 
 using Squares = std::array<double, limits::kMotionPoses>;

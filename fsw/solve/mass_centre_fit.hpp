@@ -43,8 +43,8 @@ struct TranslationSolution {
       Eigen::Matrix<double, kTranslationUnknowns, kRotationUnknowns>::Zero();
 };
 
-/// Position and velocity (p, v) `interval_s` later as a linear function of those at `time_s`:
-/// straight, or by Hill's equations about an observer on the orbit. Axes I.
+/// Position and velocity (p, v) `interval_s` later as a linear function of those at `time_s`: in a
+/// straight line, or by Hill's equations about an observer in orbit. Axes I.
 Eigen::Matrix<double, 6, 6> translation_transition(const Orbit& orbit,
                                                    double time_s,
                                                    double interval_s);

@@ -9,9 +9,9 @@
 namespace polhode {
 namespace {
 
-constexpr auto kColumns = static_cast<std::size_t>(kDescriptorOctets);
+constexpr auto kColumns = static_cast<std::size_t>(kDescriptorBytes);
 
-/// Of constant length: vectorised.
+/// Squared distance; of constant length, so that it is vectorised.
 int distance2(const std::uint8_t* a, const std::uint8_t* b) {
   int sum = 0;
   for (std::size_t i = 0; i < kColumns; ++i) {
@@ -53,7 +53,7 @@ void nearest_descriptors(std::span<const std::uint8_t> reference,
   if (reference.empty()) {
     return;
   }
-  widely([&] {
+  with_avx2([&] {
     for (std::size_t i = 0; i < out.size(); ++i) {
       out[i] = nearest_two(reference, &queries[i * kColumns]);
     }

@@ -1,4 +1,4 @@
-// Nearest descriptors, for relocalisation against everything in the map.
+// Nearest descriptors, for relocalisation against the entire map.
 #pragma once
 
 #include <cstdint>
@@ -6,8 +6,8 @@
 
 namespace polhode {
 
-/// Size of a SIFT descriptor: 4 x 4 fields of 8 directions, an octet each.
-inline constexpr int kDescriptorOctets = 128;
+/// Size of a SIFT descriptor: 4 x 4 fields of 8 directions, a byte each.
+inline constexpr int kDescriptorBytes = 128;
 
 struct Neighbours {
   std::int32_t nearest = -1;
@@ -16,7 +16,7 @@ struct Neighbours {
   float distance2_second = 0.0F;
 };
 
-/// For each query the two nearest of the reference descriptors (rows of 128 octets, Euclidean),
+/// For each query the two nearest of the reference descriptors (rows of 128 bytes, Euclidean),
 /// exactly.
 /// @param out  one per query; `second` is -1 where there is just one reference.
 /// @cost  rows times queries distances: the caller bounds both. Deterministic.

@@ -16,13 +16,13 @@ namespace polhode {
 namespace {
 
 using Tree = flann::KDTreeSingleIndex<flann::L2_Simple<double>>;
-// FLANN sums squares in another order than Eigen, and asks for "less than": its bound is wider by
-// many roundings, and what it finds is measured again.
+// FLANN sums squares in another order than Eigen, and compares by "less than": its bound is widened
+// by many roundings, and its results are measured again.
 constexpr double kWider = 1.0 + 1e-12;
 constexpr int kLeafPoints = 10;         // FLANN's default
-constexpr std::size_t kNearestMax = 8;  // that are asked for at a time
+constexpr std::size_t kNearestMax = 8;  // most that one query returns
 
-/// What FLANN hands its finds to.
+/// Receives FLANN's results.
 class Finds : public flann::ResultSet<double> {
  public:
   Finds(std::span<const Eigen::Vector3d> points, const Eigen::Vector3d& place)
@@ -91,7 +91,7 @@ class Nearest : public Finds {
   std::array<double, kNearestMax + 1> nearest_{};
 };
 
-/// @param tree  of these points; there is none of no points.
+/// @param tree  of these points; none where there are no points.
 void search(std::span<const Eigen::Vector3d> points,
             const std::byte* tree,
             const Eigen::Vector3d& place,
@@ -109,13 +109,13 @@ void search(std::span<const Eigen::Vector3d> points,
 }  // namespace
 
 PointTree::PointTree(std::span<const Eigen::Vector3d> points) : points_(points) {
-  static_assert(sizeof(Tree) <= kTreeOctets && alignof(Tree) <= 16);
+  static_assert(sizeof(Tree) <= kTreeBytes && alignof(Tree) <= 16);
   static_assert(sizeof(Eigen::Vector3d) == 3 * sizeof(double));
   POLHODE_ASSERT(points.size() <= limits::kCloudPoints, points.size());
   if (points.empty()) {
     return;
   }
-  // FLANN reads only: it is told not to reorder.
+  // FLANN reads only: reordering is switched off.
   auto* first = const_cast<double*>(points.front().data());
   const flann::Matrix<double> rows(first, points.size(), 3);
   auto* tree = ::new (static_cast<void*>(tree_))

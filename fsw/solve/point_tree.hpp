@@ -19,7 +19,7 @@ class PointTree {
  public:
   /// @param points  finite, at most limits::kCloudPoints, or none; they must outlive the tree
   /// unchanged.
-  /// @cost  O(N log N); each search O(log N) and what it finds.
+  /// @cost  O(N log N); each search O(log N) and its results.
   explicit PointTree(std::span<const Eigen::Vector3d> points);
   ~PointTree();
   PointTree(const PointTree&) = delete;
@@ -28,16 +28,17 @@ class PointTree {
   /// All points within `radius` of a place, in ascending order of x (of equal x: of their index).
   void within(const Eigen::Vector3d& place, double radius, PointIndices* found) const;
 
-  /// Is there one?
+  /// Is there such a point?
   [[nodiscard]] bool any_within(const Eigen::Vector3d& place, double radius) const;
 
-  /// Squared distance from a point to its k-th nearest other one; there must be so many.
+  /// Squared distance from a point to its k-th nearest other one.
+  /// @pre there are k others
   [[nodiscard]] double kth_distance2(std::size_t point, std::size_t k) const;
 
  private:
-  static constexpr std::size_t kTreeOctets = 512;  ///< at least a FLANN index's own size
+  static constexpr std::size_t kTreeBytes = 512;  ///< at least a FLANN index's own size
   std::span<const Eigen::Vector3d> points_;
-  alignas(16) std::byte tree_[kTreeOctets];
+  alignas(16) std::byte tree_[kTreeBytes];
 };
 
 }  // namespace polhode

@@ -15,9 +15,9 @@
 namespace polhode {
 namespace {
 
-// Chi-square of one coordinate, 3 sigma: 99.7 %. Larger errors all count the same.
+// Gate: chi-square of one coordinate, 3 sigma: 99.7 %. Larger errors all count the same.
 constexpr double kSampsonMax2 = 9.0;
-// Pairs: five determine the essential matrix, the others choose among its solutions. Chosen.
+// Least pairs: five determine the essential matrix, the others choose among its solutions. Chosen.
 constexpr std::size_t kPairsMin = 8;
 // Roots of the five-point problem's polynomial.
 constexpr std::size_t kSolutions = 10;
@@ -98,7 +98,8 @@ Essentials essentials_through(const Pairs& pairs, const Sample<5>& sample) {
 
 /// Keeps the list sorted, with one candidate per rotation.
 void insert(const RelativePoseCandidate& candidate, RelativePoseCandidates* list) {
-  // 1.7 deg: closer rotations refine to the same minimum. Chosen; larger loses different ones.
+  // Least difference, 1.7 deg: closer rotations refine to the same minimum. Chosen; larger loses
+  // different ones.
   constexpr double kSameRotation_rad = 0.03;
   for (std::size_t i = 0; i < list->size(); ++i) {
     if (rotation_angle_rad((*list)[i].motion.R_ba, candidate.motion.R_ba) < kSameRotation_rad) {
@@ -121,7 +122,7 @@ void insert(const RelativePoseCandidate& candidate, RelativePoseCandidates* list
   }
 }
 
-/// What find_consensus keeps here: the best few that differ.
+/// The hypotheses that find_consensus() keeps here: the best few that differ.
 struct BestDifferent {
   const Pairs& pairs;
   RelativePoseCandidates list;

@@ -22,7 +22,7 @@ struct RelativePoseCandidate {
   int inliers = 0;
 };
 
-/// Candidates kept. Chosen: each costs an adjustment, with its depth-reversed solution two.
+/// Candidates kept. Chosen: each costs two adjustments, one for its depth-reversed solution.
 inline constexpr std::size_t kRelativePoses = 3;
 using RelativePoseCandidates = FixedVector<RelativePoseCandidate, kRelativePoses>;
 

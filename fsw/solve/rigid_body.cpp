@@ -11,12 +11,12 @@
 namespace polhode {
 namespace {
 
-// Least second moment over the largest: lifts a tensor that noise made unphysical, or a sheet's, to
-// a body whose logarithm is finite. A hundredth is a thickness of a tenth.
+// Least ratio of second moments: raises those of a tensor that noise made unphysical, or of a
+// sheet, to a body with a finite logarithm. A hundredth is a thickness of a tenth.
 constexpr double kMomentFloor = 0.01;
 // Difference of logarithms below which sinh(x) / x is taken to be 1, right to 4e-12; avoids 0 / 0.
 constexpr double kApartMin = 1e-5;
-// Avoids a floor of zero.
+// Least eigenvalue, so that the floor is not zero.
 constexpr double kMomentMin = 1e-300;
 
 /// dS by d log S in the direction `direction` (Daleckii and Krein), V and l being those of log S.
@@ -35,7 +35,7 @@ Eigen::Matrix3d exponential_derivative(const Eigen::Matrix3d& V,
   return V * inner * V.transpose();
 }
 
-/// The linear system that errors follow: d/dt dw = A dw + B.
+/// The linear system of the errors: d/dt dw = A dw + B.
 struct ErrorRate {
   Eigen::Matrix3d A;
   RotationJacobian B;
@@ -218,7 +218,7 @@ bool advance(const Inertia& inertia,
              double time_s,
              RotationState& state,
              RotationDerivative* derivative) {
-  // The steps left are counted after every step: the rate may change on the way.
+  // The remaining steps are counted after every step, as the rate may change.
   for (int i = 0; i < kRotationStepsMax; ++i) {
     const double left_s = time_s - state.time_s;
     const double rate_rad_s = state.w_T_rad_s.norm() + orbit.mean_motion_rad_s;

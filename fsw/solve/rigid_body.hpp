@@ -10,7 +10,7 @@
 
 namespace polhode {
 
-/// A symmetric 3x3 matrix without a trace has five.
+/// Numbers of a symmetric 3x3 matrix without a trace.
 inline constexpr int kShapeNumbers = 5;
 
 /// Trace-free symmetric matrix log S in an orthonormal basis, S being the second-moment matrix of
@@ -21,7 +21,7 @@ using InertiaShape = Eigen::Matrix<double, kShapeNumbers, 1>;
 inline constexpr double kShapeSigma = 1.5;
 
 /// Width of the Cauchy loss of attitudes and positions: a residual of 4 sigma has half its weight.
-/// Takes 2 % of the information of normal data.
+/// It takes 2 % of the information of normal data.
 inline constexpr double kPoseCauchySigma = 4.0;
 
 /// What is known of a shape before the motion is.
@@ -40,8 +40,8 @@ struct Inertia {
 
 Inertia inertia_of(const InertiaShape& shape);
 
-/// The shape of a tensor that need not be physical: second moments are lifted to a hundredth of the
-/// largest.
+/// The shape of a tensor that may be unphysical: second moments are raised to at least a hundredth
+/// of the largest.
 InertiaShape shape_of(const Eigen::Matrix3d& J_T);
 
 /// Matrix k of the basis of InertiaShape.
@@ -73,7 +73,7 @@ struct RotationDerivative {
   RotationJacobian attitude_I = RotationJacobian::Zero();
   RotationJacobian rate_T = RotationJacobian::Zero();
 
-  /// At the reference itself.
+  /// at the reference itself
   static RotationDerivative at_reference();
 };
 
@@ -82,18 +82,18 @@ Eigen::Vector3d angular_acceleration(const Inertia& inertia,
                                      const Orbit& orbit,
                                      const RotationState& state);
 
-/// Bounds the time of one integration: 1000 rad or 160 turns at kRotationStepAngle_rad; a fit spans
-/// 32 (decision 0050).
+/// Bound on the time of one integration: 1000 rad or 160 turns at kRotationStepAngle_rad; a fit
+/// spans 32 (decision 0050).
 inline constexpr int kRotationStepsMax = 20000;
 
-/// Runge-Kutta's phase lags by the step to the fourth over 120: at 0.1 rad 3e-5 rad in
-/// eight turns, near what a long run resolves (5e-5 rad of 300 frames). At 0.05 rad it is a
-/// sixteenth (decision 0050).
+/// Runge-Kutta's phase error is the step to the fourth over 120: at 0.1 rad 3e-5 rad in eight
+/// turns, near the resolution of a long run (5e-5 rad of 300 frames). At 0.05 rad it is a sixteenth
+/// (decision 0050).
 inline constexpr double kRotationStepAngle_rad = 0.05;
 
-/// Moves `state` to `time_s`, earlier or later, in steps of at most kRotationStepAngle_rad:
+/// Integrates `state` to `time_s`, earlier or later, in steps of at most kRotationStepAngle_rad:
 /// fourth-order Runge-Kutta for the rate and a Magnus step for the attitude; 1e-6 rad in ten turns.
-/// `derivative`, where given, is moved along.
+/// `derivative`, where given, is integrated along.
 /// @return false when that takes over kRotationStepsMax steps or is no longer finite. The state is
 /// then somewhere on the way.
 bool advance(const Inertia& inertia,

@@ -9,11 +9,11 @@
 namespace polhode {
 namespace {
 
-// Least part of the largest diagonal element that damping acts on: a weaker unknown has no
+// Least diagonal element for the damping, as a part of the largest: a weaker unknown has no
 // information of its own, and the damping must still constrain it. Far above rounding.
 constexpr double kDiagonalMin = 1e-12;
 
-// Damping of a point's own steps: for a point that is seen with next to no parallax.
+// Damping of a point's own steps, for points with next to no parallax.
 constexpr double kSettlingDamping = 1e-6;
 
 /// @return half the robust sum of squares.
@@ -93,7 +93,7 @@ double settle_point(std::span<const BundleObservation> observations,
                     double cauchy_sigma,
                     int steps_max,
                     Eigen::Vector3d* p_T) {
-  return widely([&] { return settled(observations, poses, cauchy_sigma, steps_max, p_T); });
+  return with_avx2([&] { return settled(observations, poses, cauchy_sigma, steps_max, p_T); });
 }
 
 double settle_points(const BundleProblem& problem, const BundleOptions& options) {

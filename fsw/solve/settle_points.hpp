@@ -1,4 +1,4 @@
-// Points re-solved for poses that are given.
+// Re-solves points for given poses.
 #pragma once
 
 #include <Eigen/Core>
@@ -26,7 +26,7 @@ class PointObservations {
   std::vector<BundleObservation> sorted_;
 };
 
-/// Of one observation, in sigma.
+/// Residual and derivatives of one observation, in sigma.
 struct LinearisedObservation {
   Eigen::Vector2d residual;
   Eigen::Matrix<double, 2, 6> by_pose;  ///< (phi, uvs)
@@ -54,8 +54,8 @@ inline bool linearise(const BundleObservation& o,
   return true;
 }
 
-/// Inverse of V with parts of its own diagonal added; zero where V is. A diagonal element of next
-/// to nothing, an axis that no observation tells, counts as a part of the largest.
+/// Inverse of V with parts of its own diagonal added; zero where V is zero. A diagonal element near
+/// zero, of an axis without information, counts as a part of the largest.
 Eigen::Matrix3d damped_inverse(const Eigen::Matrix3d& V, double damping);
 
 /// Half the robust sum of squares; infinite where a point lies behind a camera that sees it.

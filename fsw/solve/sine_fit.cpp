@@ -13,31 +13,31 @@ namespace {
 
 // Twice the four unknowns.
 constexpr std::size_t kSamplesMin = 8;
-// Bounds the time: from 1000 samples on the grid is coarser than kGridPerLine.
+// Largest grid: from 1000 samples on it is coarser than kGridPerLine.
 constexpr int kGridMax = 4000;
 constexpr int kGridMin = 16;
 // Grid points in the width of a spectral line: the best one lies within the basin of the sine.
 constexpr double kGridPerLine = 8.0;
 // Steps from the grid's best. Chosen: a few settle.
 constexpr int kStepsMax = 20;
-// In noise an amplitude of five sigma has a probability of exp(-12.5) at one frequency, 0.4 % at a
-// thousand.
+// Least significance. In noise an amplitude of five sigma has a probability of exp(-12.5) at one
+// frequency, 0.4 % at a thousand.
 constexpr double kAmplitudeSigmasMin = 5.0;
-// Least pivot over the largest: below, offset and sine are not separated.
+// Least ratio of pivots: below it offset and sine are not separated.
 constexpr double kPivotMin = 1e-9;
 // Half angles under which a series replaces the formula, which loses digits. Its next term is 2e-13
 // of the attenuation, 1e-7 of the slope.
 constexpr double kSeries_rad = 1e-6;
 constexpr double kSlopeSeries_rad = 1e-3;
-// Intervals that touch within a part of themselves: rounding of the time stamps.
+// Tolerance, relative to an interval, for intervals that touch: rounding of the time stamps.
 constexpr double kTouch = 1e-3;
-// Against a division by zero.
+// Avoids a division by zero.
 constexpr double kAmplitudeMin = 1e-300;
 
 /// Parameters: offset, cosine part, sine part, angular rate.
 using Parameters = Eigen::Vector4d;
 
-/// A mean over `interval_s` of a sine is the sine in the middle times this.
+/// Attenuation: the mean of a sine over `interval_s` is the sine in the middle times this.
 double attenuation(double rate_rad_s, double interval_s) {
   const double half = 0.5 * rate_rad_s * interval_s;
   return half > kSeries_rad ? std::sin(half) / half : 1.0;

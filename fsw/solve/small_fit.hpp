@@ -17,7 +17,8 @@
 
 namespace polhode {
 
-/// What a fit says of itself at one place. A fit derives its own from this, with more results.
+/// Normal equations and cost of a fit at one place. A fit derives its own from this, with more
+/// results.
 template <int N>
 struct SmallEquations {
   static constexpr int kUnknowns = N;
@@ -38,18 +39,18 @@ enum class FirstThree {
 
 struct SmallFitOptions {
   int steps_max = 10;           ///< a bound: it ends when the cost has settled
-  double damping_first = 1e-4;  ///< smaller where starts are better
+  double damping_first = 1e-4;  ///< smaller with better initial values
   FirstThree first_three = FirstThree::kPlain;
 };
 
 namespace small_fit {
 
-/// Ends where a step promises to gain less of the cost. With n degrees of freedom this moves an
-/// unknown by at most 1e-4 sqrt(n) of its sigma by the noise as found.
+/// Least relative gain of a step. With n degrees of freedom it moves an unknown by at most 1e-4
+/// sqrt(n) of its sigma by the noise as found.
 inline constexpr double kSettled = 1e-8;
 
-/// A fit as TinySolver sees it. Each place is linearised once: a step that is accepted needs the
-/// equations of its trial again.
+/// The interface of TinySolver. Each place is linearised once: an accepted step needs the equations
+/// of its trial again.
 template <class Equations, class Linearise>
 class Residuals {
  public:
@@ -67,8 +68,8 @@ class Residuals {
   Residuals(const Linearise& linearise, const SmallFitOptions& options, Place* last)
       : linearise_(linearise), options_(options), last_(last) {}
 
-  /// TinySolver asks without Jacobian for a trial. It asks with it at the start and at the last
-  /// trial, which is accepted.
+  /// TinySolver calls this without Jacobian for a trial, and with it at the initial value and at
+  /// the last trial, which is accepted.
   bool operator()(const double* x, double* residuals, double* jacobian) const {
     Eigen::Map<Eigen::Matrix<double, NUM_RESIDUALS, 1>> r(residuals);
     if (jacobian != nullptr) {
@@ -107,7 +108,8 @@ class Residuals {
     Vector top = ldlt.transpositionsP() * g;
     ldlt.matrixL().solveInPlace(top);
     top = (root.array() > 0.0).select(top.cwiseQuotient(root), 0.0);
-    // The squared norm is what an undamped step promises. Without a gradient TinySolver ends.
+    // The squared norm is the predicted gain of an undamped step. Without a gradient TinySolver
+    // ends.
     if (!(top.squaredNorm() > kSettled * last_->equations.cost)) {
       top.setZero();
     }
@@ -132,12 +134,12 @@ class Residuals {
 
 /// Levenberg-Marquardt from `x`, which never gets worse.
 /// @param linearise  bool(const Vector& x, Equations* at), Equations derived from SmallEquations;
-///                   false where the model is not defined: no step ends there.
-/// @param x          in: start; out: minimum. Zero at the start where the first three rotate.
+/// false where the model is not defined: no step ends there.
+/// @param x          in: initial value; out: minimum. Zero at first where the first three rotate.
 /// @param at         out: the equations at the minimum.
-/// @return steps tried, or -1 where the start itself is not usable.
-/// @cost   a call of `linearise` for each step, one at the start, one where the last step failed.
-///         No heap.
+/// @return steps tried, or -1 where the initial value is not usable.
+/// @cost   a call of `linearise` for each step, one for the initial value, one where the last step
+/// failed. No heap.
 /// @source Madsen, Nielsen and Tingleff, IMM 2004, via Ceres.
 template <class Equations, class Linearise>
 int minimise(const Linearise& linearise,
@@ -152,9 +154,9 @@ int minimise(const Linearise& linearise,
   }
   ceres::TinySolver<Residuals> solver;
   solver.options.max_num_iterations = options.steps_max + 1;
-  // Absolute. Ends steps that fail by rounding; the gradient ends the others.
+  // Absolute: ends steps that fail by rounding; the gradient ends the others.
   solver.options.function_tolerance = small_fit::kSettled * last.equations.cost;
-  // Ends only where the gradient was set to zero; other scales are not ours.
+  // Only for a gradient set to zero; other limits do not apply to our scales.
   solver.options.gradient_tolerance = std::numeric_limits<double>::min();
   solver.options.parameter_tolerance = 0.0;
   solver.options.cost_threshold = 0.0;

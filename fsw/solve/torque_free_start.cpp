@@ -1,4 +1,4 @@
-// Initialisation of the fit of a free body's rotation, and how its window grows.
+// Initial values for the fit of a free body's rotation, and the growth of its window.
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -12,13 +12,13 @@
 namespace polhode {
 namespace {
 
-// Twelve coordinates for eleven unknowns.
+// Least samples: twelve coordinates for eleven unknowns.
 constexpr std::size_t kSamplesMin = 4;
-// Samples of the first window. Chosen: over fewer the noise hides the rate, over more a wrong shape
+// Samples of the first window. Chosen: with fewer the noise hides the rate, with more a wrong shape
 // loses the phase.
 constexpr std::size_t kWindowFirst = 15;
-// Rotation over which a mean rate is formed: long against noise, short against the rate's change.
-// Chosen.
+// Rotation over which a mean rate is formed: large against the noise, small against the rate's
+// change. Chosen.
 constexpr double kChord_rad = 0.4;
 // Prediction error over the next window that still converges: well under half a turn. Chosen.
 constexpr double kPhaseMax_rad = 1.0;
@@ -64,7 +64,7 @@ Eigen::Vector3d rate_at(std::span<const AttitudeSample> samples, std::size_t ref
 }
 
 struct Momentum {
-  InertiaShape shape = InertiaShape::Zero();          ///< that keeps R J w nearest to constant
+  InertiaShape shape = InertiaShape::Zero();          ///< for which R J w is nearest to constant
   Eigen::Vector3d axis_T = Eigen::Vector3d::UnitZ();  ///< mean axis of rotation
 };
 
@@ -104,7 +104,7 @@ Momentum constant_momentum(std::span<const AttitudeSample> samples) {
   return start;
 }
 
-/// A body of revolution about `axis_T`; `stretch` > 0 a rod, < 0 a disc.
+/// Shape of a body of revolution about `axis_T`; `stretch` > 0 a rod, < 0 a disc.
 InertiaShape revolution(const Eigen::Vector3d& axis_T, double stretch) {
   const Eigen::Matrix3d log_S =
       stretch * (axis_T * axis_T.transpose() - Eigen::Matrix3d::Identity() / 3.0);
@@ -133,8 +133,8 @@ bool reaches(const RotationProblem& problem,
   return true;
 }
 
-/// Fits a window around the reference that doubles, or grows by less, as far as the solution
-/// predicts.
+/// Fits a window around the reference, which then grows by doubling, or by less as far as the
+/// solution predicts.
 Result<RotationSolution> grow(const RotationProblem& problem, const InertiaShape& shape) {
   const std::size_t count = problem.samples.size();
   const auto window = [&](std::size_t size) {
@@ -149,7 +149,8 @@ Result<RotationSolution> grow(const RotationProblem& problem, const InertiaShape
   solution.reference.w_T_rad_s = rate_at(problem.samples, problem.reference);
   solution.shape = shape;
   std::size_t size = std::min(kWindowFirst, count);
-  // Six doublings reach limits::kMotionPoses; the rest is for smaller growth. Chosen.
+  // Stages at most: six doublings reach limits::kMotionPoses; the rest is for smaller growth.
+  // Chosen.
   constexpr int kStagesMax = 24;
   for (int stage = 0; stage < kStagesMax; ++stage) {
     const std::array<std::size_t, 2> at = window(size);
@@ -158,7 +159,7 @@ Result<RotationSolution> grow(const RotationProblem& problem, const InertiaShape
       return refined;
     }
     solution = refined.value();
-    // Twice the window, or as much of that as the phase is predicted for.
+    // Twice the window, or less where the predicted phase is too uncertain at its ends.
     std::size_t next = std::min(count, 2 * size);
     while (next > size + 1) {
       const std::array<std::size_t, 2> wide = window(next);
@@ -183,7 +184,7 @@ Result<RotationSolution> solve_rotation(const RotationProblem& problem, double c
     return ErrorCode::kDegenerate;
   }
   const Momentum momentum = constant_momentum(problem.samples);
-  // Moments of 1:5 and of 2:1.1: in the middle of what rods and discs span.
+  // Shapes tried: moments of 1:5 and of 2:1.1, in the middle of the ranges of rods and discs.
   constexpr double kRod = 2.2;
   constexpr double kDisc = -2.2;
   const std::array<InertiaShape, 4> shapes{momentum.shape,

@@ -13,13 +13,14 @@
 namespace polhode {
 namespace {
 
-// Squared sine of the angle between rays. Under 1e-6 rad their intersection is rounding.
+// Least squared sine of the angle between rays. Under 1e-6 rad their intersection is rounding.
 constexpr double kParallel2 = 1e-12;
-// Depth over the target's distance, under which the point counts as behind the camera. Chosen.
+// Least depth, relative to the target's distance; below it the point counts as behind the camera.
+// Chosen.
 constexpr double kRelativeDepthMin = 1e-6;
-// A bound only: the linear solution starts near the minimum.
+// A bound only: the linear solution is near the minimum.
 constexpr int kStepsMax = 5;
-// Of normal equations that are all but solved: as good as none.
+// First damping: next to none, as the linear solution is nearly the minimum.
 constexpr double kDampingFirst = 1e-6;
 
 Eigen::Vector3d ray_T(const RayObservation& observation) {
@@ -36,7 +37,7 @@ double largest_parallax_rad(std::span<const RayObservation> observations) {
   return std::acos(std::clamp(cosine_min, -1.0, 1.0));
 }
 
-/// Point nearest to all rays.
+/// The point nearest to all rays.
 bool nearest_to_rays(std::span<const RayObservation> observations, Eigen::Vector3d* p_T) {
   Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
   Eigen::Vector3d b = Eigen::Vector3d::Zero();

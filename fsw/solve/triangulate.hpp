@@ -1,4 +1,4 @@
-// A point of the body from its images in several frames of known pose.
+// Triangulates a point of the body from its observations in several frames of known pose.
 #pragma once
 
 #include <Eigen/Core>

@@ -12,16 +12,16 @@
 namespace polhode {
 namespace {
 
-// Neighbours whose median motion is a place's. Chosen: with eight, three wrong ones do no harm, and
-// they lie within a few times the distance of two features.
+// Neighbours whose median motion predicts that of a place. Chosen: of eight, three may be wrong;
+// eight lie within a few feature distances.
 constexpr std::size_t kNeighbours = 8;
 // Twice as many as the neighbours of one.
 constexpr std::size_t kFieldMin = 2 * kNeighbours;
 
 Eigen::Vector2d place_of(const Feature& feature) { return {feature.u_px, feature.v_px}; }
 
-/// How a body's features move from one frame to another: an affine motion of all, and what its
-/// depth adds, which neighbours share.
+/// Motion field of a body's features between two frames: a common affine motion, plus a residual
+/// from depth that neighbours share.
 struct Field {
   struct Point {
     Eigen::Vector2d at = Eigen::Vector2d::Zero();
@@ -29,10 +29,10 @@ struct Field {
   };
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();  ///< of the matched features
   double extent_px = 0.0;                            ///< their RMS distance from it
-  /// Of (place - middle, 1) to the motion.
+  /// Maps (place - middle, 1) to the affine part of the motion.
   Eigen::Matrix<double, 2, 3> affine = Eigen::Matrix<double, 2, 3>::Zero();
   FixedVector<Point, limits::kFeatures> points;
-  double tolerance_px = 0.0;  ///< a match that differs by more from its neighbours is none
+  double tolerance_px = 0.0;  ///< a match that differs by more from its neighbours is wrong
 
   [[nodiscard]] Eigen::Vector2d affine_at(const Eigen::Vector2d& at) const {
     const Eigen::Vector2d from = at - middle;
@@ -40,7 +40,8 @@ struct Field {
   }
 };
 
-/// Median of the neighbours' motion beside the affine one. @param itself  a point left out, or -1.
+/// Median of the neighbours' residual motion.
+/// @param itself  a point left out, or -1.
 Eigen::Vector2d neighbours_px(const Field& field,
                               const Eigen::Vector2d& at,
                               std::ptrdiff_t itself) {
@@ -94,11 +95,11 @@ void fit_affine(std::span<const Feature> a,
                 std::span<const Feature> b,
                 const FeatureMatches& matches,
                 Field* field) {
-  constexpr int kRounds = 8;               // of reweighting; it has settled by then
+  constexpr int kRounds = 8;               // of reweighting; the weights settle by then
   constexpr double kWidthMin2_px2 = 0.25;  // half a pixel: the noise of a feature's place
-  // Of the trace: places on one line leave the motion across it at zero.
+  // A ridge, relative to the trace: for places on one line the motion across it is zero.
   constexpr double kRidge = 1e-9;
-  double width2 = std::numeric_limits<double>::max();  // all alike at first
+  double width2 = std::numeric_limits<double>::max();  // equal weights at first
   for (int round = 0; round < kRounds; ++round) {
     Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
     Eigen::Matrix<double, 3, 2> g = Eigen::Matrix<double, 3, 2>::Zero();
@@ -148,7 +149,7 @@ FixedVector<double, limits::kFeatures> differences_px(const Field& field) {
   return apart_px;
 }
 
-/// Drops the matches that move otherwise than their neighbours, and learns how much these differ.
+/// Drops the matches that move otherwise than their neighbours, and estimates the field's noise.
 /// @return false, with nothing dropped, where neighbours have no motion in common.
 bool drop_strays(FeatureMatches* matches, Field* field) {
   const FixedVector<double, limits::kFeatures> apart_px = differences_px(*field);
@@ -156,7 +157,7 @@ bool drop_strays(FeatureMatches* matches, Field* field) {
   // The median of a distance in two dimensions is 1.18 sigma; 99.9 % lie within 3.7.
   constexpr double kSigmas = 3.7 / 1.18;
   constexpr double kToleranceMin_px = 1.5;  // three sigma of a feature's place in two frames
-  // Of the extent: depth moves neighbours apart by less, at 10 deg of turn by 0.1.
+  // Relative to the extent: depth moves neighbours apart by less, by 0.1 at 10 deg of rotation.
   constexpr double kToleranceMost = 0.2;
   field->tolerance_px = std::max(kToleranceMin_px, kSigmas * median(sorted.view()));
   if (field->tolerance_px > std::max(kToleranceMin_px, kToleranceMost * field->extent_px)) {
@@ -179,14 +180,15 @@ struct SearchCircle {
   double radius_px = 0.0;
 };
 
-/// The feature of `b` within a circle that looks most like `feature`, if it stands out there.
+/// The feature of `b` within a circle whose descriptor is nearest to that of `feature`, if it
+/// passes the ratio test among the features there.
 FeatureMatch find_within(const SearchCircle& circle,
                          const Feature& feature,
                          std::span<const Feature> b,
                          std::span<const std::uint8_t> taken,
                          double ratio_max) {
-  // Measured by ray-cast depths: beyond it the median error is over 0.7 px, three times a feature's
-  // sigma.
+  // Squared descriptor distance, checked with ray-cast depths: beyond it the median error is over
+  // 0.7 px, three times a feature's sigma.
   constexpr int kDistance2About = 280 * 280;
   constexpr float kSamePlace_px = 1.0F;  // as in match_mutual()
   NearestFeature best;
@@ -203,7 +205,8 @@ FeatureMatch find_within(const SearchCircle& circle,
                              : FeatureMatch{};
 }
 
-/// Features without a match, looked for where their neighbours went. One to one.
+/// Adds matches of unmatched features, searched for at the displacement of their neighbours. One to
+/// one.
 void add_found_about(std::span<const Feature> a,
                      std::span<const Feature> b,
                      const Field& field,

@@ -1,4 +1,4 @@
-// Features of one frame tied to those of another of the same body, before there is a map.
+// Associates the features of two frames of the same body, before there is a map.
 #pragma once
 
 #include <span>
@@ -7,9 +7,9 @@
 
 namespace polhode {
 
-/// Mutual best descriptors (match_mutual), held against how the features about them move:
-/// neighbours on a body move alike. What moves otherwise is dropped, and features without a match
-/// are looked for again where their neighbours went; there a descriptor has few rivals.
+/// Mutual best descriptors (match_mutual), checked against the motion of neighbouring features:
+/// neighbours on a body move alike. Matches with another motion are dropped. Features without a
+/// match are searched for at the displacement of their neighbours, where there are few rivals.
 /// @param a, b     features of an earlier and a later frame; at most limits::kFeatures.
 /// @param matches  by index into `a`, ascending. With too few mutual matches for a field of motion:
 /// these.

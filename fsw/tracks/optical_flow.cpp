@@ -54,7 +54,7 @@ void flow(const Pyramid& before,
 }  // namespace
 
 void build_pyramid(const cv::Mat& gray, Pyramid* pyramid) {
-  // Gradients that are kept beside the levels take four times their memory, in both pyramids.
+  // Without gradients, which would take four times the levels' memory in both pyramids.
   constexpr bool kWithGradients = false;
   cv::buildOpticalFlowPyramid(
       gray, pyramid->levels, cv::Size(kPatch_px, kPatch_px), kLevels, kWithGradients);

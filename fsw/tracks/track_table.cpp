@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "base/median.hpp"
-#include "base/sound.hpp"
+#include "base/validity.hpp"
 #include "tracks/associate.hpp"
 
 namespace polhode {
@@ -12,11 +12,11 @@ namespace {
 // A point that is missed in up to five frames is found again (decision 0097). Each further
 // frame costs another matching.
 constexpr std::size_t kLookBack = 6;
-// Frames that no track leads to any more show something else. Chosen: a body that is hidden for one
-// or two frames is still the same.
+// Frames without a track to the newest ones may show another body. Chosen: a body that is hidden
+// for one or two frames is still the same.
 constexpr std::size_t kConnected = 3;
 
-/// Keeps the tracks of which `keeps` holds, in their order.
+/// Keeps the tracks for which `keeps` is true, in their order.
 template <typename Keeps>
 void keep_tracks(const Keeps& keeps, TrackTable* table) {
   std::size_t kept = 0;
@@ -35,14 +35,14 @@ void keep_tracks(const Keeps& keeps, TrackTable* table) {
   table->tracks.resize(kept);
 }
 
-/// Room for an eighth of the table: tracks that ended go, the shortest first, as they say least.
-/// The newest frames' go on growing.
+/// Makes room for an eighth of the table: removes ended tracks, the shortest first, as they
+/// constrain the geometry least. Tracks of the newest frames stay.
 void make_room(TrackTable* table) {
-  constexpr std::size_t kWanted = limits::kStartTracks / 8;  // at a time, so that it is seldom
+  constexpr std::size_t kWanted = limits::kInitialTracks / 8;  // at a time, so that it is seldom
   const auto first_alive =
       static_cast<std::int32_t>(table->frames.size()) - static_cast<std::int32_t>(kLookBack) - 1;
-  for (std::size_t length = 2; length < limits::kStartFrames; ++length) {
-    if (table->tracks.size() + kWanted <= limits::kStartTracks) {
+  for (std::size_t length = 2; length < limits::kInitialFrames; ++length) {
+    if (table->tracks.size() + kWanted <= limits::kInitialTracks) {
       return;
     }
     keep_tracks(
@@ -65,7 +65,7 @@ std::int32_t track_for(std::size_t frame,
   }
   if (table->tracks.full() && *may_make_room) {
     make_room(table);
-    *may_make_room = table->tracks.size() < limits::kStartTracks;
+    *may_make_room = table->tracks.size() < limits::kInitialTracks;
   }
   Track fresh;
   (void)fresh.points.push_back({.frame = static_cast<std::int32_t>(frame), .feature = feature});
@@ -110,7 +110,7 @@ void join(std::size_t earlier,
   }
 }
 
-/// How far a track's points are from its first one, the farthest of them.
+/// Largest distance of a track's points from its first one.
 double spread_px(const Track& track, const TrackTable& table) {
   const auto place = [&](const TrackPoint& point) {
     const Feature& f = feature_of(point, table);
@@ -167,16 +167,16 @@ void drop_unconnected_frames(std::size_t tracks_min, TrackTable* table) {
 void drop_resting_tracks(TrackTable* table, RestingPlaces* resting) {
   constexpr std::size_t kPoints = 3;  // two coincide by chance
   // Three sigma of a strong feature that is detected again in the same place. On a body, where its
-  // axis meets the picture, tracks move by 0.2 to 1 px.
+  // axis meets the image, tracks move by 0.2 to 1 px.
   constexpr double kRest_px = 0.4;
-  // So many move, by as much in the middle, that the body turns. Chosen: as many as span a window
-  // that is searched, and more than what a slow body's tracks differ by.
+  // Moving tracks, and their median motion, that show a rotating body. Chosen: as many as a window
+  // of a selection needs (collect.cpp); more than the tracks of a slow body move.
   constexpr std::size_t kMovingMin = 40;
-  // Fewer carry no start of their own, unless more are known to rest.
+  // Too few for an initialisation by themselves, unless more places are known to rest.
   constexpr std::size_t kRestingMin = 12;
   constexpr double kMoves_px = 6.0;
-  FixedVector<std::size_t, limits::kStartTracks> at_rest;  // which of the tracks
-  FixedVector<double, limits::kStartTracks> moves_px;
+  FixedVector<std::size_t, limits::kInitialTracks> at_rest;  // which of the tracks
+  FixedVector<double, limits::kInitialTracks> moves_px;
   for (std::size_t t = 0; t < table->tracks.size(); ++t) {
     if (table->tracks[t].points.size() < kPoints) {
       continue;
@@ -225,7 +225,7 @@ void add_frame(const CollectibleFrame& frame, double ratio_max, TrackTable* tabl
   }
 }
 
-bool is_sound(const TrackTable& table) {
+bool is_valid(const TrackTable& table) {
   const auto in = [](std::int32_t index, std::size_t size) {
     return index >= 0 && static_cast<std::size_t>(index) < size;
   };
@@ -240,7 +240,7 @@ bool is_sound(const TrackTable& table) {
     }
     for (std::size_t i = 0; i < features.size(); ++i) {
       const std::int32_t track = table.track_of[f][i];
-      if (!sound::is_bounded(features[i].normalised) ||
+      if (!validity::is_bounded(features[i].normalised) ||
           (track != -1 && !in(track, table.tracks.size()))) {
         return false;
       }

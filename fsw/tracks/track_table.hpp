@@ -30,14 +30,14 @@ struct TrackPoint {
 };
 
 struct Track {
-  FixedVector<TrackPoint, limits::kStartFrames> points;  ///< ascending by frame
+  FixedVector<TrackPoint, limits::kInitialFrames> points;  ///< ascending by frame
 };
 
 struct TrackTable {
-  FixedVector<CollectedFrame, limits::kStartFrames> frames;
-  FixedVector<Track, limits::kStartTracks> tracks;
+  FixedVector<CollectedFrame, limits::kInitialFrames> frames;
+  FixedVector<Track, limits::kInitialTracks> tracks;
   /// Track that ends in feature i of frame f, or -1.
-  std::array<std::array<std::int32_t, limits::kFeatures>, limits::kStartFrames> track_of{};
+  std::array<std::array<std::int32_t, limits::kFeatures>, limits::kInitialFrames> track_of{};
   FeatureMatches scratch;
   std::uint32_t full_count = 0;  ///< tracks that found no place
 };
@@ -64,16 +64,16 @@ void add_frame(const CollectibleFrame& frame, double ratio_max, TrackTable* tabl
 void drop_oldest_frame(TrackTable* table);
 
 /// Drops the frames before the last three where fewer than `tracks_min` tracks connect them to
-/// these. They show something else: no initialisation can use both.
+/// these: no initialisation can use both.
 void drop_unconnected_frames(std::size_t tracks_min, TrackTable* table);
 
-/// Drops the tracks that stay where they are in the picture while others move, and remembers their
-/// places. Where nothing moves they stay.
+/// Drops the tracks that stay in place in the image while others move, and stores their places.
+/// Where nothing moves they stay.
 void drop_resting_tracks(TrackTable* table, RestingPlaces* resting);
 
 void clear(TrackTable* table);
 
 /// Sizes and indices within the tables, as long as no bit has flipped in memory.
-bool is_sound(const TrackTable& table);
+bool is_valid(const TrackTable& table);
 
 }  // namespace polhode

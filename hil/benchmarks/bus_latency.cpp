@@ -130,14 +130,14 @@ struct Wish {
   std::string only;  ///< empty: all
 };
 
-Sent send_all(Transports& transports, const Wish& wish) {
+Sent send_all(Transports& transports, const Wish& request) {
   Sent sent;
   const auto total =
-      static_cast<std::uint64_t>(wish.seconds) * static_cast<std::uint64_t>(wish.rate);
+      static_cast<std::uint64_t>(request.seconds) * static_cast<std::uint64_t>(request.rate);
   sent.send_ns.reserve(total);
   MotionState state;
   std::vector<std::uint8_t> octets(kMotionPacketOctets);
-  const auto period = std::chrono::nanoseconds(1'000'000'000 / wish.rate);
+  const auto period = std::chrono::nanoseconds(1'000'000'000 / request.rate);
   auto due = Clock::now();
   const std::uint64_t before = heap_calls;
   for (std::uint64_t i = 0; i < total; ++i, due += period) {
@@ -182,18 +182,18 @@ void hear(Bell& bell, ReaderResult& result) {
 }
 
 /// What waking two processes costs on this machine as it is loaded now.
-void measure_waking(const Wish& wish) {
+void measure_waking(const Wish& request) {
   Bell* bell = make_shared_memory<Bell>();
   std::vector<Reader> readers;
   for (int i = 0; i < kGoodReaders; ++i) {
     readers.push_back(
-        start_reader(wish.priority, [bell](ReaderResult& result) { hear(*bell, result); }));
+        start_reader(request.priority, [bell](ReaderResult& result) { hear(*bell, result); }));
   }
-  const auto total = static_cast<std::uint32_t>(wish.seconds * wish.rate);
+  const auto total = static_cast<std::uint32_t>(request.seconds * request.rate);
   std::vector<std::uint32_t> waking_ns;
   auto due = Clock::now();
   for (std::uint32_t i = 1; i <= total;
-       ++i, due += std::chrono::nanoseconds(1'000'000'000 / wish.rate)) {
+       ++i, due += std::chrono::nanoseconds(1'000'000'000 / request.rate)) {
     std::this_thread::sleep_until(due);
     const std::int64_t before_ns = clock_ns(CLOCK_MONOTONIC);
     bell->at_ns[i % Bell::kTimes] = before_ns;
@@ -223,7 +223,7 @@ void measure_waking(const Wish& wish) {
 }
 
 /// @return true when nothing was lost and no heap was used.
-bool measure(const char* name, const std::vector<std::string>& addresses, const Wish& wish) {
+bool measure(const char* name, const std::vector<std::string>& addresses, const Wish& request) {
   // The shared-memory ring has to be there before its readers.
   const bool shared = addresses[0].starts_with("shm:");
   const std::vector<std::string> unique = shared ? std::vector{addresses[0]} : addresses;
@@ -231,11 +231,11 @@ bool measure(const char* name, const std::vector<std::string>& addresses, const 
   Transports early({.send = shared ? unique : std::vector<std::string>(), .receive = {}});
   for (const std::string& address : addresses) {
     readers.push_back(
-        start_reader(wish.priority, [&](ReaderResult& result) { read_all(address, result); }));
+        start_reader(request.priority, [&](ReaderResult& result) { read_all(address, result); }));
   }
   ::kill(readers.back().process, SIGSTOP);
   Transports later({.send = shared ? std::vector<std::string>() : unique, .receive = {}});
-  const Sent sent = send_all(shared ? early : later, wish);
+  const Sent sent = send_all(shared ? early : later, request);
   bool good = sent.heap_calls == 0;
   std::vector<std::uint32_t> latency;
   std::uint64_t lost = 0;
@@ -267,22 +267,23 @@ bool measure(const char* name, const std::vector<std::string>& addresses, const 
 }
 
 /// One table. @return true when nothing was lost and no heap was used.
-bool measure_all(const std::string& folder, const Wish& wish) {
-  if (!set_core(wish.core)) {
-    fmt::print("core {} is not granted\n", wish.core);
+bool measure_all(const std::string& folder, const Wish& request) {
+  if (!set_core(request.core)) {
+    fmt::print("core {} is not granted\n", request.core);
     return true;
   }
-  if (!set_priority(wish.priority)) {
-    fmt::print("real-time priority {} is not granted (ulimit -r)\n", wish.priority);
+  if (!set_priority(request.priority)) {
+    fmt::print("real-time priority {} is not granted (ulimit -r)\n", request.priority);
     return true;
   }
   const std::string scheduling =
-      wish.priority > 0 ? fmt::format("real-time priority {}, readers {}, memory locked",
-                                      wish.priority,
-                                      wish.priority + 1)
-                        : "ordinary priority";
-  const std::string cores = wish.core < 0 ? "any core" : fmt::format("core {} for all", wish.core);
-  fmt::print("{}, {}; {} programs beside it\n", scheduling, cores, wish.load);
+      request.priority > 0 ? fmt::format("real-time priority {}, readers {}, memory locked",
+                                         request.priority,
+                                         request.priority + 1)
+                           : "ordinary priority";
+  const std::string cores =
+      request.core < 0 ? "any core" : fmt::format("core {} for all", request.core);
+  fmt::print("{}, {}; {} programs beside it\n", scheduling, cores, request.load);
   fmt::print("{:<14} {:>8} {:>6} {:>29}   {:>29} {:>6}\n",
              "",
              "packets",
@@ -291,11 +292,11 @@ bool measure_all(const std::string& folder, const Wish& wish) {
              "sending, us: p50 p99 max",
              "heap");
   const std::string ring = fmt::format("shm:/polhode_latency_{}", ::getpid());
-  measure_waking(wish);
+  measure_waking(request);
   bool good = true;
   const auto one = [&](const char* name, const std::vector<std::string>& addresses) {
-    if (addresses[0].starts_with(wish.only)) {
-      good = measure(name, addresses, wish) && good;
+    if (addresses[0].starts_with(request.only)) {
+      good = measure(name, addresses, request) && good;
     }
   };
   one("unix datagram",
@@ -308,15 +309,15 @@ bool measure_all(const std::string& folder, const Wish& wish) {
 }
 
 /// @return false for what is no option of this program.
-bool read_wish(int argc, char** argv, Wish& wish) {
+bool read_wish(int argc, char** argv, Wish& request) {
   for (int i = 1; i < argc; i += 2) {
     const std::string_view name = argv[i];
-    int* const value = name == "--seconds"    ? &wish.seconds
-                       : name == "--rate"     ? &wish.rate
-                       : name == "--load"     ? &wish.load
-                       : name == "--priority" ? &wish.priority
-                       : name == "--core"     ? &wish.core
-                       : name == "--ordinary" ? &wish.ordinary
+    int* const value = name == "--seconds"    ? &request.seconds
+                       : name == "--rate"     ? &request.rate
+                       : name == "--load"     ? &request.load
+                       : name == "--priority" ? &request.priority
+                       : name == "--core"     ? &request.core
+                       : name == "--ordinary" ? &request.ordinary
                                               : nullptr;
     if (i + 1 == argc || (value == nullptr && name != "--only")) {
       fmt::print(stderr,
@@ -325,7 +326,7 @@ bool read_wish(int argc, char** argv, Wish& wish) {
       return false;
     }
     if (value == nullptr) {
-      wish.only = argv[i + 1];
+      request.only = argv[i + 1];
       continue;
     }
     *value = std::atoi(argv[i + 1]);
@@ -336,20 +337,20 @@ bool read_wish(int argc, char** argv, Wish& wish) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  Wish wish;
-  if (!read_wish(argc, argv, wish)) {
+  Wish request;
+  if (!read_wish(argc, argv, request)) {
     return 2;
   }
   const TemporaryFolder temporary;
   const std::string folder = temporary.path().string();
-  const Load load(wish.load);
+  const Load load(request.load);
   bool good = true;
-  if (wish.priority > 0) {
-    good = measure_all(folder, wish);
+  if (request.priority > 0) {
+    good = measure_all(folder, request);
   }
-  if (wish.ordinary != 0) {
-    wish.priority = 0;
-    good = measure_all(folder, wish) && good;
+  if (request.ordinary != 0) {
+    request.priority = 0;
+    good = measure_all(folder, request) && good;
   }
   return good ? 0 : 1;
 }

@@ -7,7 +7,7 @@
 #include "initialisation/core.hpp"
 #include "initialisation/extend.hpp"
 #include "initialisation/selection.hpp"
-#include "solve/start_adjustment.hpp"
+#include "solve/initial_adjustment.hpp"
 
 namespace polhode::benchmark {
 namespace {
@@ -31,10 +31,10 @@ double unit_of(const SelectionSet& set, const Pose& first) {
   return first.p_CT.norm() * std::sqrt(std::max(1e-12, squares / count - mean.squaredNorm()));
 }
 
-StartHypothesis true_geometry(const StartProblem& problem,
-                              std::span<const Pose> true_poses,
-                              const SelectionSet& set) {
-  StartHypothesis h;
+InitialHypothesis true_geometry(const InitialProblem& problem,
+                                std::span<const Pose> true_poses,
+                                const SelectionSet& set) {
+  InitialHypothesis h;
   h.frames = problem.times_s.size();
   h.tracks = set.tracks.size();
   const double unit = unit_of(set, true_poses[0]);
@@ -48,8 +48,8 @@ StartHypothesis true_geometry(const StartProblem& problem,
 
 /// The images of the tracks that agree with a geometry, as it makes them.
 std::vector<TrackObservation> without_noise(std::span<const TrackObservation> observations,
-                                            const StartAdjustmentOptions& options,
-                                            StartHypothesis* h,
+                                            const InitialAdjustmentOptions& options,
+                                            InitialHypothesis* h,
                                             int* tracks) {
   std::vector<TrackObservation> images;
   for (std::size_t begin = 0; begin < observations.size();) {
@@ -76,38 +76,39 @@ std::vector<TrackObservation> without_noise(std::span<const TrackObservation> ob
 
 }  // namespace
 
-Decidability decide_by_truth(const StartProblem& problem,
+Decidability decide_by_truth(const InitialProblem& problem,
                              std::span<const Pose> true_poses,
-                             StartWorkspace* workspace) {
+                             InitialWorkspace* workspace) {
   Decidability out;
   SelectionSet& set = workspace->set;
   if (!choose_selection_set(problem, &set)) {
     return out;
   }
-  StartHypothesis truth = true_geometry(problem, true_poses, set);
+  InitialHypothesis truth = true_geometry(problem, true_poses, set);
   if (!normalise_gauge(truth.view())) {
     return out;
   }
-  const StartOptions options;  // no refinement asks for them
+  const InitialOptions options;  // no refinement asks for them
   Selection selection{.problem = problem, .options = options};
   // The poses are true; a track's place rests on its noisy images, and settles with them.
-  StartHypothesis settled = truth;
+  InitialHypothesis settled = truth;
   (void)refine_to_minimum(selection, set.observations.view(), &workspace->adjustment, &settled);
   out.noise = settled.fit.noise_scale;
   selection.sigma_scale = std::clamp(out.noise, 1.0, kNoiseScaleMax);
-  const StartAdjustmentOptions loss = selection_loss(selection, 0);
+  const InitialAdjustmentOptions loss = selection_loss(selection, 0);
   const std::vector<TrackObservation> images =
       without_noise(set.observations.view(), loss, &truth, &out.tracks);
   out.agreeing = static_cast<double>(out.tracks) / static_cast<double>(set.tracks.size());
   if (out.tracks < kTracksMin || !normalise_gauge(truth.view())) {
     return out;
   }
-  StartHypothesis reversed = truth;
+  InitialHypothesis reversed = truth;
   apply_depth_reversal(reversed.view());
   if (!normalise_gauge(reversed.view())) {
     return out;
   }
-  const double truth_cost = evaluate_start(images, truth.view(), loss, &workspace->adjustment).cost;
+  const double truth_cost =
+      evaluate_initial(images, truth.view(), loss, &workspace->adjustment).cost;
   (void)refine_to_minimum(selection, images, &workspace->adjustment, &reversed);
   out.margin = reversed.fit.cost - truth_cost;
   out.known = true;

@@ -23,8 +23,8 @@ struct Decidability {
 /// noise. Then the truth costs nothing, and what the depth-reversed solution costs, adjusted to the
 /// end, is the margin that the noise scatters about.
 /// @param true_poses  by frame of the problem; any unit of length.
-Decidability decide_by_truth(const StartProblem& problem,
+Decidability decide_by_truth(const InitialProblem& problem,
                              std::span<const Pose> true_poses,
-                             StartWorkspace* workspace);
+                             InitialWorkspace* workspace);
 
 }  // namespace polhode::benchmark

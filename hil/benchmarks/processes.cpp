@@ -29,20 +29,20 @@ double percentile_us(std::vector<std::uint32_t> values_ns, double part) {
 }
 
 bool set_priority(int priority) {
-  sched_param wished{};
-  wished.sched_priority = priority;
-  return ::sched_setscheduler(0, priority > 0 ? SCHED_FIFO : SCHED_OTHER, &wished) == 0;
+  sched_param requested{};
+  requested.sched_priority = priority;
+  return ::sched_setscheduler(0, priority > 0 ? SCHED_FIFO : SCHED_OTHER, &requested) == 0;
 }
 
 bool set_core(int core) {
-  cpu_set_t wished;
-  CPU_ZERO(&wished);
+  cpu_set_t requested;
+  CPU_ZERO(&requested);
   for (int i = 0; i < CPU_SETSIZE; ++i) {
     if (core < 0 || i == core) {
-      CPU_SET(static_cast<unsigned>(i), &wished);
+      CPU_SET(static_cast<unsigned>(i), &requested);
     }
   }
-  return ::sched_setaffinity(0, sizeof wished, &wished) == 0;
+  return ::sched_setaffinity(0, sizeof requested, &requested) == 0;
 }
 
 void end_process(pid_t process) {

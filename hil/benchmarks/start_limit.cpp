@@ -21,7 +21,7 @@
 #include "errors.hpp"
 #include "geometry/so3.hpp"
 #include "initialisation/collect.hpp"
-#include "initialisation/start_job.hpp"
+#include "initialisation/initialisation_job.hpp"
 #include "parameters/load.hpp"
 #include "pipeline/ground_view.hpp"
 #include "true_frames.hpp"
@@ -54,9 +54,9 @@ std::map<std::int64_t, double> turns_deg(const std::map<std::int64_t, Pose>& tru
 /// The better of the two selections that the component alternates between.
 std::optional<Row> judge(const std::map<std::int64_t, Pose>& truth,
                          const CameraModel& camera,
-                         const StartOptions& options,
+                         const InitialOptions& options,
                          InitialisationState* tracks,
-                         StartJob* job) {
+                         InitialisationJob* job) {
   std::optional<Row> best;
   for (int which = 0; which < 2; ++which) {
     pose_problem(camera, options, 1, tracks, job);
@@ -68,9 +68,9 @@ std::optional<Row> judge(const std::map<std::int64_t, Pose>& truth,
       }
       poses.push_back(at->second);
     }
-    const StartProblem problem{.times_s = std::span(job->times_s).first(job->frame_count),
-                               .tracks = std::span(job->tracks).first(job->track_count),
-                               .seed = job->seed};
+    const InitialProblem problem{.times_s = std::span(job->times_s).first(job->frame_count),
+                                 .tracks = std::span(job->tracks).first(job->track_count),
+                                 .seed = job->seed};
     const Decidability found = decide_by_truth(problem, poses, &job->workspace);
     if (found.known && (!best || found.margin > best->found.margin)) {
       best = Row{.frames = job->frame_count, .found = found};
@@ -83,7 +83,7 @@ std::vector<Row> follow(const std::string& config,
                         const platform::Sequence& sequence,
                         const std::map<std::int64_t, Pose>& truth,
                         Parameters parameters) {
-  const StartOptions options = parameters.start;
+  const InitialOptions options = parameters.start;
   // Jobs are handed out, and come back without a result: no map ever begins, and tracks go on.
   parameters.jobs.delay_frames = 1;
   parameters.camera = sequence.camera;
@@ -91,7 +91,7 @@ std::vector<Row> follow(const std::string& config,
   Result<Component*> made = Component::create(memory.span(), parameters);
   Component& component = *made.value();
   const GroundView view = view_of(component);
-  const auto job = std::make_unique<StartJob>();
+  const auto job = std::make_unique<InitialisationJob>();
   const auto copy = std::make_unique<InitialisationState>();
   const auto turns = turns_deg(truth);
   platform::FileCamera camera(sequence);

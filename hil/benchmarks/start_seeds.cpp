@@ -8,7 +8,7 @@
 #include <ctime>
 #include <memory>
 
-#include "synthetic/start_scenarios.hpp"
+#include "synthetic/initial_scenarios.hpp"
 
 namespace {
 
@@ -24,19 +24,19 @@ struct Tally {
   double seconds_max = 0.0;
 };
 
-void judge(const StartOutcome& out,
-           const synthetic::StartScenario& s,
+void judge(const InitialOutcome& out,
+           const synthetic::InitialScenario& s,
            const char* name,
            std::uint64_t seed,
            bool has_body,
            Tally* tally) {
   ++tally->decisions[static_cast<std::size_t>(out.decision)];
-  if (out.decision != StartDecision::kCommit) {
+  if (out.decision != InitialDecision::kCommit) {
     return;
   }
   ++tally->commits;
   // The turn of a body that only drifts is compared by its depths alone.
-  synthetic::StartErrors e = synthetic::compare_start(out, s.tracks, s.motion);
+  synthetic::InitialErrors e = synthetic::compare_start(out, s.tracks, s.motion);
   if (rotation_angle_rad(s.motion.poses.front().R_CT, s.motion.poses.back().R_CT) < 0.05) {
     e.rotation = 0.0;
   }
@@ -51,7 +51,7 @@ void judge(const StartOutcome& out,
       poor ? "poor" : "WRONG",
       name,
       static_cast<unsigned long long>(seed),
-      out.chi2_gap,
+      out.chi2_margin,
       e.depth,
       e.rotation,
       out.selection_depth_sigma,
@@ -65,35 +65,35 @@ int main(int argc, char** argv) {
   const int seeds = argc > 1 ? std::atoi(argv[1]) : 100;
   const std::uint64_t first = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1;
   const int only = argc > 3 ? std::atoi(argv[3]) : -1;
-  const auto workspace = std::make_unique<StartWorkspace>();
+  const auto workspace = std::make_unique<InitialWorkspace>();
   int wrong = 0;
-  for (std::size_t k = 0; k < synthetic::kStartFamilies.size(); ++k) {
+  for (std::size_t k = 0; k < synthetic::kInitialFamilies.size(); ++k) {
     if (only >= 0 && static_cast<std::size_t>(only) != k) {
       continue;
     }
     Tally tally;
-    const synthetic::StartFamily family = synthetic::kStartFamilies[k];
+    const synthetic::InitialFamily family = synthetic::kInitialFamilies[k];
     for (int i = 0; i < seeds; ++i) {
       const std::uint64_t seed = first + static_cast<std::uint64_t>(i);
-      const synthetic::StartScenario s = synthetic::make_start_scenario(family, seed);
-      const std::vector<StartTrack> tracks =
+      const synthetic::InitialScenario s = synthetic::make_initial_scenario(family, seed);
+      const std::vector<InitialTrack> tracks =
           synthetic::to_start_tracks(s.tracks, s.sigma_normalised);
       const std::clock_t begin = std::clock();
-      const StartOutcome out =
+      const InitialOutcome out =
           select_hypothesis({.times_s = s.motion.times_s, .tracks = tracks, .seed = seed},
-                            StartOptions{},
+                            InitialOptions{},
                             workspace.get());
       const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
       tally.seconds += seconds;
       tally.seconds_max = std::max(tally.seconds_max, seconds);
-      judge(out, s, synthetic::kStartFamilyNames[k], seed, synthetic::has_body(family), &tally);
+      judge(out, s, synthetic::kInitialFamilyNames[k], seed, synthetic::has_body(family), &tally);
     }
     wrong += tally.wrong;
     std::printf(
         "%-12s commits %4d of %4d: right %4d poor %3d wrong %3d | waits: few tracks %d, no "
         "hypothesis %d, "
         "little motion %d, twins %d | %.0f ms, at most %.0f\n",
-        synthetic::kStartFamilyNames[k],
+        synthetic::kInitialFamilyNames[k],
         tally.commits,
         seeds,
         tally.right,

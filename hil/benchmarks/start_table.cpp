@@ -9,7 +9,7 @@
 #include <numbers>
 #include <string>
 
-#include "synthetic/start_problem.hpp"
+#include "synthetic/initial_problem.hpp"
 
 namespace {
 
@@ -53,31 +53,32 @@ Cell run_cell(double alpha_deg,
               int trials,
               std::uint64_t first_seed,
               std::uint32_t kinds,
-              StartWorkspace* workspace) {
+              InitialWorkspace* workspace) {
   Cell cell;
   for (int i = 0; i < trials; ++i) {
     const std::uint64_t seed = first_seed + static_cast<std::uint64_t>(i) +
                                static_cast<std::uint64_t>(1e6 * alpha_deg + 1e3 * turn_deg);
     const Trial trial = make_trial(alpha_deg, turn_deg, frames, seed);
-    const std::vector<StartTrack> tracks = synthetic::to_start_tracks(trial.tracks, 0.5 / 2667.0);
-    const StartProblem problem{
+    const std::vector<InitialTrack> tracks = synthetic::to_start_tracks(trial.tracks, 0.5 / 2667.0);
+    const InitialProblem problem{
         .times_s = trial.motion.times_s, .tracks = tracks, .seed = seed, .kinds = kinds};
     const std::clock_t begin = std::clock();
-    const StartOutcome out = select_hypothesis(problem, StartOptions{}, workspace);
+    const InitialOutcome out = select_hypothesis(problem, InitialOptions{}, workspace);
     cell.seconds += static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
     const bool right = synthetic::compare_start(out, trial.tracks, trial.motion).right();
     cell.right += right ? 1 : 0;
-    if (out.decision == StartDecision::kCommit) {
+    if (out.decision == InitialDecision::kCommit) {
       ++(right ? cell.commits_right : cell.commits_wrong);
       if (!right) {
-        const synthetic::StartErrors e = synthetic::compare_start(out, trial.tracks, trial.motion);
+        const synthetic::InitialErrors e =
+            synthetic::compare_start(out, trial.tracks, trial.motion);
         std::printf(
             "  wrong commit: alpha %.1f turn %.0f seed %llu gap %.1f depth %.2f rotation %.2f "
             "sigma %.3f\n",
             alpha_deg,
             turn_deg,
             static_cast<unsigned long long>(seed),
-            out.chi2_gap,
+            out.chi2_margin,
             e.depth,
             e.rotation,
             out.selection_depth_sigma);
@@ -94,7 +95,7 @@ int main(int argc, char** argv) {
   const int frames = argc > 2 ? std::atoi(argv[2]) : 8;
   const std::uint64_t first_seed = argc > 3 ? std::strtoull(argv[3], nullptr, 10) : 1;
   const bool singles = argc <= 4;
-  const auto workspace = std::make_unique<StartWorkspace>();
+  const auto workspace = std::make_unique<InitialWorkspace>();
   struct Column {
     const char* name;
     std::uint32_t kinds;

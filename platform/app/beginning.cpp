@@ -92,7 +92,7 @@ void Beginning::restore(Component& component) {
   watch_.emplace(last, crashes_);
   try {
     restore_last(component);
-    if (loaded_.octets.empty()) {
+    if (loaded_.bytes.empty()) {
       take_model(component);
     }
   } catch (...) {
@@ -109,7 +109,7 @@ void Beginning::take_model(Component& component) {
   TargetModelFacts facts;
   std::string refusal;
   if (crashes_.crashes >= CrashMark::kWarmMax) {
-    refusal = "the runs before crashed";  // by it, as far as anybody knows
+    refusal = "the runs before crashed";  // presumably by this checkpoint
   } else {
     try {
       refusal = load_model_file(file, &component, &facts);

@@ -1,4 +1,4 @@
-// Where a live run begins: anew, with a model of the target, or where a checkpoint says.
+// Initial state of a live run: empty, a model of the target, or a checkpoint.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,8 @@ class Beginning {
             const std::string& config_hash,
             const std::optional<polhode_key>& key = {});
 
-  /// Into a component that has just been created. What it throws is a crash to the next start.
+  /// Loads the initial state into a component that has just been created. An exception counts as a
+  /// crash for the next start.
   void restore(Component& component);
 
   [[nodiscard]] const CheckpointIdentity& identity() const { return identity_; }
@@ -35,9 +36,9 @@ class Beginning {
   [[nodiscard]] std::uint32_t restarts() const { return restarts_; }
   /// The file that the run begins from, or the state that a model gives; empty when it begins with
   /// neither.
-  [[nodiscard]] std::span<const std::uint8_t> octets() const { return loaded_.octets; }
+  [[nodiscard]] std::span<const std::uint8_t> bytes() const { return loaded_.bytes; }
   /// Its memory goes back; how it was stays known.
-  void forget_octets() { loaded_ = {}; }
+  void release_bytes() { loaded_ = {}; }
   /// From restore() on; nullptr: there are no checkpoints.
   [[nodiscard]] CrashWatch* watch() { return watch_ ? &*watch_ : nullptr; }
 

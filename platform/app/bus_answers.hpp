@@ -1,4 +1,4 @@
-// What a component answers to commands, as it comes over the bus.
+// The component's answers to commands, received over the bus.
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@
 namespace polhode::platform {
 
 /// Listens from its making on, so that the answer to a command that is sent next is not missed.
-/// Each command is answered by one event. Those of other senders are told from one's own by the
+/// Each command is answered by one event. Those of other senders are distinguished by the
 /// sequence counts, where the commands have such.
 class BusAnswers {
  public:
@@ -25,12 +25,12 @@ class BusAnswers {
   /// @throws UnusableInput: it cannot be opened.
   BusAnswers(const std::string& address, int apid_first);
 
-  /// What the answer of each command bears, as bus::answered_sequence() has it; 0: no count.
+  /// Count in the answer of each command, as bus::answered_sequence() gives it; 0: no count.
   using Sequences = std::vector<std::uint16_t>;
 
   /// Before the commands are sent: passes over what is there already, as in a file, and reads what
-  /// the ports have counted so far, which comes once a second. What they refuse afterwards can then
-  /// be told from that.
+  /// the ports have counted so far, which comes once a second. Later refusals are then
+  /// distinguished from these.
   void begin(double timeout_s);
 
   /// Prints each answer as it comes.
@@ -45,7 +45,7 @@ class BusAnswers {
   std::size_t read(std::span<const std::uint8_t> octets, Sequences* waiting);
   /// Reads on until the time is over. @return the next packet; empty: none came.
   std::span<const std::uint8_t> next(std::chrono::steady_clock::time_point end);
-  /// Since begin(), as words: how many by which reason; empty: none, or it was not told.
+  /// Since begin(), as words: how many by which reason; empty: none, or not reported.
   [[nodiscard]] std::string refused_at_ports() const;
   /// Nobody else has sent since begin(), and none of these passed: no answer will come.
   [[nodiscard]] bool all_refused(std::size_t commands) const;

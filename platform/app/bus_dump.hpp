@@ -11,7 +11,7 @@ struct BusDumpArguments {
   int apid_first = 0x1A0;
 };
 
-/// Damage is told on standard error and skipped; the packets around it are printed.
+/// Damage is reported on standard error and skipped; the packets around it are printed.
 /// @throws UnusableInput: the file cannot be read, or holds octets but not one packet.
 void dump_bus(const BusDumpArguments& arguments);
 

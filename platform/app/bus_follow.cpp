@@ -16,7 +16,7 @@
 #include "app/packet_printer.hpp"
 #include "bus/repeated_commands.hpp"
 #include "errors.hpp"
-#include "tell.hpp"
+#include "print_stderr.hpp"
 #include "transport/client/c/polhode_bus.h"
 #include "transport/command_guard.hpp"
 #include "transport/command_text.hpp"
@@ -29,14 +29,14 @@ constexpr int kPacketWait_ms = 200;  // after which an interruption is seen
 
 volatile std::sig_atomic_t interrupted = 0;
 
-/// Tells of damage that the reader skipped since the last call.
-void tell_loss(const polhode_bus& bus, std::uint64_t& damaged, std::uint64_t& overrun) {
+/// Reports damage that the reader skipped since the last call.
+void print_loss(const polhode_bus& bus, std::uint64_t& damaged, std::uint64_t& overrun) {
   if (bus.damaged_octets != damaged) {
-    tell("{} octets were no packet\n", bus.damaged_octets - damaged);
+    print_stderr("{} octets were no packet\n", bus.damaged_octets - damaged);
     damaged = bus.damaged_octets;
   }
   if (bus.overrun != overrun) {
-    tell("{} packets were overwritten before they were read\n", bus.overrun - overrun);
+    print_stderr("{} packets were overwritten before they were read\n", bus.overrun - overrun);
     overrun = bus.overrun;
   }
 }
@@ -74,7 +74,7 @@ void follow_bus(const BusFollowArguments& arguments) {
   double waited_s = 0.0;
   while (interrupted == 0) {
     const int octets = polhode_bus_next(bus.get(), packet.data(), packet.size(), kPacketWait_ms);
-    tell_loss(*bus, damaged, overrun);
+    print_loss(*bus, damaged, overrun);
     if (octets < 0) {
       throw RunFailure(
           fmt::format("{}: {}", address.text, std::generic_category().message(-octets)));

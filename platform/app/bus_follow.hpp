@@ -15,7 +15,7 @@ struct BusFollowArguments {
   double timeout_s = 0.0;  ///< end when none comes for so long; 0: never
 };
 
-/// Prints packets as they come, until interrupted. What was lost or damaged is told on standard
+/// Prints packets as they come, until interrupted. Losses and damage are reported on standard
 /// error.
 /// @throws UnusableInput: the address cannot be opened.
 void follow_bus(const BusFollowArguments& arguments);

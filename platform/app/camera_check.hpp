@@ -1,4 +1,4 @@
-// What the images say of the stated camera, for people.
+// Result of the test of the stated camera, as text and JSON.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace polhode::platform {
 
-/// What the stated camera was found to be at the end, and the test that says so.
+/// Result of the camera test at the end, and the test itself.
 struct CameraReport {
   CameraFinding found;
   CameraFit fit;

@@ -32,7 +32,7 @@ void print_use(const DeviceReport& report, const OfferedFormat& format) {
              packing.name,
              format.width_px,
              format.height_px,
-             format.image_octets,
+             format.image_bytes,
              copied ? "converted to gray" : "read where it lies");
   if (format.width_px != report.width_px || format.height_px != report.height_px) {
     fmt::print("  (it is set to {}x{} now)\n", report.width_px, report.height_px);

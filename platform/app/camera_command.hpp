@@ -1,5 +1,5 @@
-// polhode camera list | probe: which cameras there are, what one can do, what Polhode would use of
-// it.
+// polhode camera list | probe: lists the cameras, the capabilities of one, and the mode that
+// Polhode would use.
 #pragma once
 
 #include <string>
@@ -15,7 +15,7 @@ struct ProbeArguments {
   int height_px = 0;
 };
 
-/// @throws UnusableInput when the device cannot be asked, or nothing of it could be used.
+/// @throws UnusableInput when the device cannot be queried, or has no usable format.
 void probe_camera(const ProbeArguments& arguments);
 
 }  // namespace polhode::platform

@@ -42,12 +42,12 @@ std::optional<Sequence> take_sequence(const CheckArguments& arguments,
                                       Configuration& configuration) {
   if (arguments.sequence.empty()) {
     if (configuration.has_camera) {
-      judge_configured_camera(arguments.config, configuration.parameters.camera);
+      check_configured_camera(arguments.config, configuration.parameters.camera);
     }
     return std::nullopt;
   }
   Sequence sequence = open_sequence(arguments.sequence);
-  tell_warnings(sequence.warnings);
+  print_warnings(sequence.warnings);
   take_camera(sequence, configuration);
   if (const auto problem = check(configuration.parameters)) {
     throw UnusableInput(fmt::format("{}: {}", arguments.config.string(), problem->message));
@@ -83,9 +83,9 @@ void check_memory(const CheckArguments& arguments,
                   const MachineNeeds& needs) {
   const MemoryPlan plan = plan_memory(configuration.parameters, needs);
   fmt::print("memory of the component: {} octets; in all: {} of {}\n",
-             plan.tables_octets,
-             plan.total_octets,
-             plan.limit_octets);
+             plan.tables_bytes,
+             plan.total_bytes,
+             plan.limit_bytes);
   if (arguments.memory) {
     fmt::print("\n{}", text_of(plan));
   }

@@ -33,7 +33,7 @@ struct FileHeader {
   Moment stepped;
   std::array<char, 36> boot_id{};  ///< of the machine, when it was written
   std::uint32_t is_signed = 0;
-  std::uint64_t content_octets = 0;
+  std::uint64_t content_bytes = 0;
   Mac content_mac{};  ///< zeros where it is not signed
   Mac mac{};          ///< over all before it
   std::uint32_t spare = 0;
@@ -53,7 +53,7 @@ FileHeader header_of(const CheckpointStamp& stamp, std::span<const std::uint8_t>
           .restarts = stamp.restarts,
           .stepped = stamp.stepped,
           .boot_id = stamp.boot_id,
-          .content_octets = content.size()};
+          .content_bytes = content.size()};
 }
 
 /// @return false: OpenSSL failed.
@@ -74,15 +74,15 @@ bool is_signed_by(const polhode_key& key,
          CRYPTO_memcmp(&expected, &header, offsetof(FileHeader, mac) + sizeof header.mac) == 0;
 }
 
-bool write_all(int file, const void* data, std::size_t octets) {
+bool write_all(int file, const void* data, std::size_t bytes) {
   const auto* at = static_cast<const std::uint8_t*>(data);
-  while (octets > 0) {
-    const ssize_t written = ::write(file, at, octets);
+  while (bytes > 0) {
+    const ssize_t written = ::write(file, at, bytes);
     if (written <= 0) {
       return false;
     }
     at += written;
-    octets -= static_cast<std::size_t>(written);
+    bytes -= static_cast<std::size_t>(written);
   }
   return true;
 }
@@ -111,7 +111,7 @@ std::string damage_of(const FileHeader& header,
   if (header.magic != FileHeader{}.magic || header.header_crc32 != crc_of(header)) {
     return "not a checkpoint, or its beginning is damaged";
   }
-  if (header.content_octets != content.size() || header.content_crc32 != crc32_iso_hdlc(content)) {
+  if (header.content_bytes != content.size() || header.content_crc32 != crc32_iso_hdlc(content)) {
     return "torn or damaged";
   }
   return header.identity.build_id != build ? "of another build" : "";
@@ -124,7 +124,7 @@ std::string foreign_in(const FileHeader& header, const CheckpointIdentity& ident
   return header.identity.boot_id != identity.boot_id ? "from before the machine was started" : "";
 }
 
-/// Another boot tells nothing of this one's clock: there the UTC clock has to do, which may be set.
+/// Monotonic clocks of two boots are not comparable: then the UTC clock is used, which may be set.
 double age_s(const FileHeader& header, const Moment& now) {
   const std::array<char, 36> boot = this_boot();
   const bool is_same = boot == header.boot_id && boot != std::array<char, 36>{};
@@ -133,15 +133,15 @@ double age_s(const FileHeader& header, const Moment& now) {
   return 1e-9 * static_cast<double>(age_ns);
 }
 
-bool read_all(int file, void* data, std::size_t octets) {
+bool read_all(int file, void* data, std::size_t bytes) {
   auto* at = static_cast<std::uint8_t*>(data);
-  while (octets > 0) {
-    const ssize_t got = ::read(file, at, octets);
+  while (bytes > 0) {
+    const ssize_t got = ::read(file, at, bytes);
     if (got <= 0) {
       return false;
     }
     at += got;
-    octets -= static_cast<std::size_t>(got);
+    bytes -= static_cast<std::size_t>(got);
   }
   return true;
 }
@@ -156,21 +156,21 @@ std::string read_whole(const fs::path& file, FileHeader* header, LoadedCheckpoin
   if (!S_ISREG(status.st_mode)) {
     return "no file";
   }
-  const auto octets = static_cast<std::size_t>(status.st_size);
-  if (octets < sizeof *header) {
+  const auto bytes = static_cast<std::size_t>(status.st_size);
+  if (bytes < sizeof *header) {
     return "too short";
   }
-  if (octets > sizeof *header + checkpoint_octets_max()) {
+  if (bytes > sizeof *header + checkpoint_octets_max()) {
     return "too long";
   }
-  loaded->memory = std::make_unique<TableMemory>(octets);
-  const std::span<std::byte> whole = loaded->memory->span().first(octets);
+  loaded->memory = std::make_unique<TableMemory>(bytes);
+  const std::span<std::byte> whole = loaded->memory->span().first(bytes);
   if (!read_all(in.get(), whole.data(), whole.size())) {
     return "cannot be read to its end";
   }
   std::memcpy(header, whole.data(), sizeof *header);
-  loaded->octets = {reinterpret_cast<const std::uint8_t*>(whole.data()), whole.size()};
-  loaded->content = loaded->octets.subspan(sizeof *header);
+  loaded->bytes = {reinterpret_cast<const std::uint8_t*>(whole.data()), whole.size()};
+  loaded->content = loaded->bytes.subspan(sizeof *header);
   loaded->checksum = header->header_crc32;
   loaded->stranger = problem_of_owner(in.get(), S_IWGRP | S_IWOTH);
   loaded->restarts = header->restarts;
@@ -187,9 +187,9 @@ LoadedCheckpoint load(const fs::path& file, const BuildId& build, FileHeader* he
 }
 
 /// Nothing of a refused one is used.
-LoadedCheckpoint judged(LoadedCheckpoint loaded) {
+LoadedCheckpoint validated(LoadedCheckpoint loaded) {
   if (!loaded.refusal.empty()) {
-    loaded.octets = loaded.content = {};
+    loaded.bytes = loaded.content = {};
     loaded.restarts = loaded.checksum = 0;
   }
   return loaded;
@@ -242,18 +242,18 @@ LoadedCheckpoint checkpoint_in_memory(const Component& component, const Checkpoi
   made.memory = std::make_unique<TableMemory>(sizeof(FileHeader) + checkpoint_octets_max());
   const std::span<std::uint8_t> whole{reinterpret_cast<std::uint8_t*>(made.memory->span().data()),
                                       made.memory->span().size()};
-  const std::size_t octets = save_checkpoint(component, whole.subspan(sizeof(FileHeader)));
-  made.content = whole.subspan(sizeof(FileHeader), octets);
+  const std::size_t bytes = save_checkpoint(component, whole.subspan(sizeof(FileHeader)));
+  made.content = whole.subspan(sizeof(FileHeader), bytes);
   FileHeader header = header_of(stamp, made.content);
   header.header_crc32 = crc_of(header);
   std::memcpy(whole.data(), &header, sizeof header);
-  made.octets = whole.first(sizeof header + octets);
+  made.bytes = whole.first(sizeof header + bytes);
   return made;
 }
 
 LoadedCheckpoint load_whole_checkpoint(const fs::path& file, const BuildId& build) {
   FileHeader header;
-  return judged(load(file, build, &header));
+  return validated(load(file, build, &header));
 }
 
 LoadedCheckpoint load_checkpoint_file(const fs::path& file,
@@ -273,7 +273,7 @@ LoadedCheckpoint load_checkpoint_file(const fs::path& file,
   if (loaded.refusal.empty() && !(loaded.age_s >= 0.0 && loaded.age_s <= age_s_max)) {
     loaded.refusal = fmt::format("{:.0f} s old, allowed are 0 .. {:.0f}", loaded.age_s, age_s_max);
   }
-  return judged(std::move(loaded));
+  return validated(std::move(loaded));
 }
 
 }  // namespace polhode::platform

@@ -16,14 +16,14 @@
 
 namespace polhode::platform {
 
-/// What a checkpoint belongs to. Another one's is not used.
+/// Identity of a checkpoint's run. A checkpoint with another one is not used.
 struct CheckpointIdentity {
   std::array<char, 64> config_hash{};  ///< hexadecimal digits, of the parameters
   std::array<char, 36> boot_id{};      ///< zeros where time stamps do not depend on the boot
   BuildId build_id{};                  ///< of the program: tables lie otherwise in another one
 };
 
-/// What is written with a state.
+/// Facts written with a state.
 struct CheckpointStamp {
   CheckpointIdentity identity;
   std::array<char, 36> boot_id{};  ///< of this_boot()
@@ -32,7 +32,7 @@ struct CheckpointStamp {
       0;  ///< of the program, from checkpoint to checkpoint, since a cold start
 };
 
-/// Of this machine since it was started; zeros when it does not tell.
+/// Of this machine since it was started; zeros where it is not available.
 std::array<char, 36> this_boot();
 
 /// The one before the last, beside it.
@@ -57,9 +57,9 @@ bool write_checkpoint_file(const CheckpointPlaces& places,
 
 struct LoadedCheckpoint {
   std::unique_ptr<TableMemory> memory;    ///< of the content: goes with it, beside the pools
-  std::span<const std::uint8_t> octets;   ///< the file; empty when refused
+  std::span<const std::uint8_t> bytes;    ///< the file; empty when refused
   std::span<const std::uint8_t> content;  ///< of it the state; empty when refused
-  std::uint32_t checksum = 0;             ///< tells it from others
+  std::uint32_t checksum = 0;             ///< identifies it
   std::string refusal;                    ///< why; empty when it is good
   std::string stranger;                   ///< why it is not this user's own; empty when it is
   double age_s = 0.0;
@@ -69,10 +69,10 @@ struct LoadedCheckpoint {
 /// A component's state as a file would have it, in memory.
 LoadedCheckpoint checkpoint_in_memory(const Component& component, const CheckpointStamp& stamp);
 
-/// Whole and of this build, as a replay asks it: of any configuration, boot and age.
+/// Loads for a replay: whole and of this build, of any configuration, boot and age.
 LoadedCheckpoint load_whole_checkpoint(const std::filesystem::path& file, const BuildId& build);
 
-/// As a live run asks it: of this configuration and boot, not too old, and a file of this user's
+/// Loads for a live run: of this configuration and boot, not too old, and a file of this user's
 /// own that nobody else may write to. Its age is by the clock that nobody sets, unless the machine
 /// was started since.
 /// @param key  nullptr: signed or not is the same.

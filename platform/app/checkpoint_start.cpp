@@ -11,7 +11,7 @@
 #include "parameters/load.hpp"
 #include "pipeline/checkpoint.hpp"
 #include "pipeline/ground_view.hpp"
-#include "tell.hpp"
+#include "print_stderr.hpp"
 
 namespace polhode::platform {
 namespace {
@@ -32,9 +32,9 @@ std::vector<std::string> differing_keys(const Parameters& a, const Parameters& b
 }
 
 /// A checkpoint brings its run's parameters, as commands have left them.
-void tell_other_parameters(const std::string& named,
-                           const Parameters& configured,
-                           const Parameters& restored) {
+void print_other_parameters(const std::string& named,
+                            const Parameters& configured,
+                            const Parameters& restored) {
   const std::vector<std::string> keys = differing_keys(configured, restored);
   for (const std::string& key : keys) {
     if (key.starts_with("camera.")) {
@@ -43,9 +43,9 @@ void tell_other_parameters(const std::string& named,
     }
   }
   if (!keys.empty()) {
-    tell("polhode: {}: its parameters take the configuration's place: {}\n",
-         named,
-         fmt::join(keys, ", "));
+    print_stderr("polhode: {}: its parameters take the configuration's place: {}\n",
+                 named,
+                 fmt::join(keys, ", "));
   }
 }
 
@@ -62,7 +62,7 @@ void start_from_checkpoint(const std::filesystem::path& file,
   if (!loaded.refusal.empty()) {
     throw UnusableInput(fmt::format("{}: {}", named, loaded.refusal));
   }
-  tell_other_parameters(named, configured, view_of(component).parameters);
+  print_other_parameters(named, configured, view_of(component).parameters);
 }
 
 }  // namespace polhode::platform

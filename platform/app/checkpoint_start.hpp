@@ -1,4 +1,4 @@
-// A component that goes on where a checkpoint says, for work on the ground.
+// A component restored from a checkpoint, for work on the ground.
 #pragma once
 
 #include <filesystem>
@@ -9,7 +9,7 @@
 namespace polhode::platform {
 
 /// Into a component that has just been created. Parameters that differ from the configured ones are
-/// told.
+/// reported.
 /// @param named  what a person called the file, for messages.
 /// @throws UnusableInput: not whole, of another build or camera, or with values that no run leaves.
 void start_from_checkpoint(const std::filesystem::path& file,

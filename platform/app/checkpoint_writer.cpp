@@ -28,19 +28,19 @@ CheckpointWriter::~CheckpointWriter() {
 }
 
 void CheckpointWriter::offer(const Component& component, const Moment& stepped) {
-  const bool sound = may_be_saved(component);
+  const bool validity = may_be_saved(component);
   {
     const std::lock_guard lock(mutex_);
-    if (waiting_ > 0 || !sound) {
+    if (waiting_ > 0 || !validity) {
       ++counters_.skipped;
       return;
     }
   }
-  const std::size_t octets = save_checkpoint(component, buffer_);
+  const std::size_t bytes = save_checkpoint(component, buffer_);
   stamp_.stepped = stepped;
   {
     const std::lock_guard lock(mutex_);
-    waiting_ = octets;
+    waiting_ = bytes;
   }
   changed_.notify_all();
 }
@@ -71,14 +71,14 @@ void CheckpointWriter::serve() {
     if (waiting_ == 0) {
       return;
     }
-    const std::size_t octets = waiting_;
+    const std::size_t bytes = waiting_;
     lock.unlock();
     const bool written =
-        write_checkpoint_file(places_, stamp_, buffer_.first(octets), key_ ? &*key_ : nullptr);
+        write_checkpoint_file(places_, stamp_, buffer_.first(bytes), key_ ? &*key_ : nullptr);
     lock.lock();
     ++(written ? counters_.written : counters_.failed);
     written_since_boot_ns_ = written ? stamp_.stepped.since_boot_ns : written_since_boot_ns_;
-    counters_.octets = octets;
+    counters_.bytes = bytes;
     waiting_ = 0;
     changed_.notify_all();
   }

@@ -20,7 +20,7 @@ struct CheckpointCounters {
   std::uint32_t failed = 0;  ///< the disk did not take it
   std::uint32_t skipped =
       0;  ///< the one before was still being written, or the state was damaged in memory
-  std::uint64_t octets = 0;  ///< of the last
+  std::uint64_t bytes = 0;  ///< of the last
 };
 
 class CheckpointWriter {
@@ -54,7 +54,7 @@ class CheckpointWriter {
   std::span<std::uint8_t> buffer_;  ///< of the thread while `waiting_`
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::size_t waiting_ = 0;                 ///< octets to be written; 0: none
+  std::size_t waiting_ = 0;                 ///< bytes to be written; 0: none
   std::int64_t written_since_boot_ns_ = 0;  ///< that the last one on the disk was stepped at
   bool stop_ = false;
   CheckpointCounters counters_;

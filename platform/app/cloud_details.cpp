@@ -38,7 +38,7 @@ Eigen::Vector3d radial(const Cylinder& cylinder, const Eigen::Vector3d& point_T)
   return (apart - cylinder.axis_T.dot(apart) * cylinder.axis_T).normalized();
 }
 
-/// Direction of the surface at a measured point, either sign; zero where nothing tells it.
+/// Direction of the surface at a measured point, either sign; zero where undetermined.
 Eigen::Vector3d direction_of(const Shape& shape, const ShapeWork& work, std::size_t i) {
   const std::int8_t owner = work.owners[i];
   if (owner == kOnCylinder) {

@@ -1,5 +1,5 @@
-// What is known of each point of a cloud beside its place: the surface's direction there, how well
-// it is known, and by how many views.
+// Details of each point of a cloud: the surface's direction there, its sigma, and its number of
+// views.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,7 +12,7 @@
 namespace polhode::platform {
 
 struct CloudDetails {
-  std::vector<Eigen::Vector3d> normals_T;  ///< unit, out of the body; zero where nothing tells it
+  std::vector<Eigen::Vector3d> normals_T;  ///< unit, out of the body; zero where undetermined
   /// 1-sigma, worst axis, unit of the cloud: of the landmarks by their image points, and of the
   /// whole cloud across its surface, for the map is bent (decision 0086). NaN for added points.
   std::vector<float> sigmas;

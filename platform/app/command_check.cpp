@@ -26,7 +26,7 @@ std::string values_text(const bus::Field& field, const void* arguments) {
   return text;
 }
 
-/// What a value may be, where each is in its range but they contradict each other.
+/// Allowed values, where each is in its range but they contradict each other.
 std::string_view agreement(std::string_view field) {
   return field == "q_IC" ? "a quaternion whose norm is within 0.001 of 1"
                          : "another point than first_px";
@@ -63,7 +63,7 @@ std::string value_text(const ParameterRow& row, std::uint64_t bits) {
 void check_entry(const bus::TableLoadEntry& entry) {
   const ParameterRow* row = find_parameter_by_crc(entry.key_crc);
   if (row == nullptr) {
-    return;  // the component knows of others than this program
+    return;  // the component's checks differ from this program's
   }
   if (!may_change_in_flight(row->key)) {
     throw UnusableInput(fmt::format("command table_load: {}: does not change in flight", row->key));

@@ -1,4 +1,4 @@
-// What a component would refuse, found before it is sent.
+// Finds refusals of a command before it is sent.
 #pragma once
 
 #include <cstdint>

@@ -29,7 +29,7 @@ ComponentMemory::ComponentMemory(const Parameters& parameters,
                                  const std::string& where,
                                  const MachineNeeds& machine)
     : plan_(acquired(parameters, where, machine)), tables_(memory_needed(parameters).total) {
-  polhode_tables = {.begin = tables_.span().data(), .octets = tables_.span().size()};
+  polhode_tables = {.begin = tables_.span().data(), .bytes = tables_.span().size()};
 }
 
 }  // namespace polhode::platform

@@ -11,7 +11,7 @@
 /// them. Nothing in the program reads it.
 struct PolhodeTables {
   void* begin = nullptr;
-  std::size_t octets = 0;
+  std::size_t bytes = 0;
 };
 extern "C" PolhodeTables polhode_tables;
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "base/crc.hpp"
-#include "camera/replay/file_octets.hpp"
+#include "camera/replay/file_bytes.hpp"
 
 namespace polhode::platform {
 namespace {
@@ -71,12 +71,12 @@ std::filesystem::path crash_mark_file(const std::filesystem::path& checkpoint) {
 }
 
 CrashMark read_crash_mark(const std::filesystem::path& file) {
-  std::vector<std::uint8_t> octets;
+  std::vector<std::uint8_t> bytes;
   MarkFile read;
-  if (read_file(file, octets, sizeof read) || octets.size() != sizeof read) {
+  if (read_file(file, bytes, sizeof read) || bytes.size() != sizeof read) {
     return {};
   }
-  std::memcpy(&read, octets.data(), sizeof read);
+  std::memcpy(&read, bytes.data(), sizeof read);
   const bool good = read.magic == MarkFile{}.magic && read.crc32 == crc_of(read);
   return good ? read.mark : CrashMark{};
 }

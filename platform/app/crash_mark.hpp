@@ -19,7 +19,7 @@ struct CrashMark {
   [[nodiscard]] bool was_tried(std::uint32_t checksum) const;
 };
 
-/// After so many frames a start has held: a later crash is another matter.
+/// Frames after which a start has succeeded: a later crash is not its fault.
 inline constexpr std::uint32_t kFramesProven = 100;
 
 /// The mark's file, beside a checkpoint.
@@ -35,7 +35,7 @@ class CrashWatch {
  public:
   CrashWatch(const std::filesystem::path& checkpoint, const CrashMark& before);
   /// A run that has stepped and ends in order takes the mark away. One that ends by an exception,
-  /// or before its first frame, leaves what was there.
+  /// or before its first frame, leaves the mark as it was.
   ~CrashWatch();
   CrashWatch(const CrashWatch&) = delete;
   CrashWatch& operator=(const CrashWatch&) = delete;

@@ -35,7 +35,7 @@ Json level_json(const ResidualLevel& level) {
           {"outliers", level.outliers}};
 }
 
-/// A number with its sigma, or null where the data do not tell it.
+/// A number with its sigma, or null where the data do not determine it.
 Json estimated(const Estimated& e) {
   const bool known = e.observability != Observability::kUnobserved;
   return {{"value", known ? Json(e.value) : Json(nullptr)},
@@ -80,7 +80,7 @@ Json path_json(const BodyDynamics& body,
           {"residuals", level_json(model.position)}};
 }
 
-/// With the errors of what is stated about the camera, alike in all directions.
+/// With the errors of the stated camera, alike in all directions.
 MotionPrediction widened(MotionPrediction at, const SharedErrors& errors) {
   const double range = at.translation_known ? at.pose.p_CT.norm() : 0.0;
   const double size = range > 0.0 ? errors.body_radius / range : 0.0;

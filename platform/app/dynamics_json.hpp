@@ -18,7 +18,7 @@ Json sigmas(const Eigen::Matrix3d& covariance);
 
 const char* name(Observability observability);
 
-/// Whether the poses bear out a free rigid body, and why not.
+/// Whether the poses confirm a free rigid body, and why not.
 Json fit_json(const RigidModel& model, const MotionOptions& options);
 
 /// Adds rates, principal axes, inertia ratios, periods, angular momentum, velocity and mass centre
@@ -30,7 +30,7 @@ void add_dynamics(const RigidModel& model,
                   double scale_sigma,
                   Json* out);
 
-/// What predicted poses have beside the model's own errors.
+/// Errors of predicted poses beside the model's own.
 struct SharedErrors {
   double scale_sigma = 0.0;  ///< 1-sigma of the scale over the scale
   CameraFinding camera{};

@@ -66,7 +66,7 @@ SeenTarget seen_target(const StepOutput& out, const GroundView& view) {
     case FrameUse::kFlat:
       seen.levels = flat_levels(view.gray, view.parameters.mask);
       break;
-    default:  // of a damaged picture nothing is to be learnt
+    default:  // a damaged image has no usable levels
       break;
   }
   return seen;
@@ -100,7 +100,7 @@ void ExposureControl::after(const StepOutput& out, const GroundView& view, LiveC
   }
   frames_since_ = 0;
   const CameraExposure next = next_setting(seen_target(out, view), now, options_.gain_factor_max);
-  // Steps of the device's are coarse: what is nearly the same is left as it is.
+  // Steps of the device are coarse: a setting that is nearly the same is kept.
   constexpr double kSame = 0.02;
   const bool same = std::abs(static_cast<double>(next.exposure_ns - now.exposure_ns)) <
                         kSame * static_cast<double>(now.exposure_ns) &&

@@ -1,5 +1,5 @@
-// Exposure and gain of the camera, from what the target's pixels are: the imaging stage's
-// controller between the component and the device.
+// Exposure and gain of the camera, by the levels of the target's pixels: the controller between the
+// component and the device.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ struct ExposureControlOptions {
       16.0;  ///< light at the gain control's highest setting, of that at its lowest
 };
 
-/// What the controller goes by, of one step.
+/// Input of the controller from one step.
 struct SeenTarget {
   LevelCounts levels{};            ///< of its pixels
   double image_motion_px_s = 0.0;  ///< of its fastest points; 0: unknown
@@ -26,7 +26,7 @@ struct SeenTarget {
 SeenTarget seen_target(const StepOutput& out, const GroundView& view);
 
 /// The next setting; `now` where nothing is to be changed.
-/// @param settings what the camera can do, and how it is set.
+/// @param settings limits of the camera, and its present setting.
 CameraExposure next_setting(const SeenTarget& seen,
                             const CameraExposure& settings,
                             double gain_factor_max);

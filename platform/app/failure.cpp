@@ -18,17 +18,17 @@ struct Subject {
 };
 Subject g_subject;
 
-/// Once, should writing come back here.
+/// Writes once, even if writing itself fails and calls this again.
 void write_checkpoint(const Subject& subject) {
   g_subject = {};
   if (subject.component == nullptr || pthread_equal(pthread_self(), subject.stepping) == 0) {
     return;
   }
-  unseal_memory();  // the program ends anyway: what writing needs may come from the machine
+  unseal_memory();  // the program ends anyway: writing may take memory from the machine
   subject.writer->write_now(*subject.component, moment_now());
 }
 
-void of_exhaustion(Pool /*pool*/, std::size_t /*octets*/) {
+void of_exhaustion(Pool /*pool*/, std::size_t /*bytes*/) {
   const Subject subject = g_subject;
   leave_crash_mark();
   write_checkpoint(subject);
@@ -36,7 +36,7 @@ void of_exhaustion(Pool /*pool*/, std::size_t /*octets*/) {
 
 void of_assertion(const AssertionReport& report) {
   const Subject subject = g_subject;
-  tell_assertion(report);
+  print_assertion(report);
   if (!leave_crash_mark()) {
     write_checkpoint(subject);
   }
@@ -52,7 +52,7 @@ CheckpointOnFailure::CheckpointOnFailure(const Component& component, CheckpointW
 
 CheckpointOnFailure::~CheckpointOnFailure() {
   set_exhaustion_hook(nullptr);
-  tell_assertions();
+  print_assertions();
   g_subject = {};
 }
 

@@ -18,9 +18,9 @@
 #include "camera/replay/file_camera.hpp"
 #include "pipeline/ground_view.hpp"
 #include "pipeline/smooth.hpp"
+#include "print_stderr.hpp"
 #include "shape/hull.hpp"
 #include "shape/scale_state.hpp"
-#include "tell.hpp"
 
 namespace polhode::platform {
 namespace {
@@ -33,30 +33,30 @@ Pose causal_pose(const MotionState& m) {
           .p_CT = Eigen::Vector3d(m.p_CT[0], m.p_CT[1], m.p_CT[2]) / m.metres_per_mu};
 }
 
-/// Every frame's pose from the map at rest. Frames that had none at their time are looked at again.
-/// A picture whose pose departs from the motion is of another time, or of the first moment after a
-/// contact: it gives none. Nor does a map that was not borne out.
+/// Every frame's pose from the converged map. Frames without a pose in the run are tried again.
+/// A pose inconsistent with the motion is left out: its image is of another time, or of the first
+/// moment after a contact. So are all poses of a map that was not confirmed.
 std::vector<SmoothedPose> smooth_frames(Component& component,
                                         const Sequence& sequence,
                                         const ReplayLog& log) {
-  MapAtRest at_rest(&component);
+  MapAtRest converged(&component);
   const GroundView view = view_of(component);
   FileCamera camera(sequence);
-  const bool borne_out = is_borne_out(log.published);
+  const bool confirmed = is_confirmed(log.published);
   std::vector<SmoothedPose> poses;
   for (std::size_t i = 0; i < log.published.size(); ++i) {
     const MotionState& m = log.published[i];
-    if (m.doubted || !borne_out) {
+    if (m.doubted || !confirmed) {
       poses.push_back({});
       continue;
     }
     const Pose hint = causal_pose(m);
-    SmoothedPose pose = at_rest.from_log(m.frame, hint, log.observations.of_frame(i));
+    SmoothedPose pose = converged.from_log(m.frame, hint, log.observations.of_frame(i));
     Frame frame;
     if (!pose.valid && log.uses[i] == FrameUse::kUsed && view.map.keyframe_count > 0) {
       camera.seek(i);
       if (camera.next(frame) && frame.readable) {
-        pose = at_rest.from_image(frame);
+        pose = converged.from_image(frame);
       }
     }
     poses.push_back(pose);
@@ -65,21 +65,21 @@ std::vector<SmoothedPose> smooth_frames(Component& component,
 }
 
 /// The frame that carries the scale may have found its pose only now, and has its best one now:
-/// that of its keyframe, or what its picture gives.
+/// that of its keyframe, or the one by its image.
 void measure_scale_late(const Sequence& sequence, const ReplayLog& log, Component* component) {
   const GroundView view = view_of(*component);
   const ScaleOptions& options = view.parameters.scale;
   if (!names_frame(options) || view.map.keyframe_count == 0 || read_scale_in_keyframe(component)) {
     return;
   }
-  MapAtRest at_rest(component);
+  MapAtRest converged(component);
   FileCamera camera(sequence);
   for (std::size_t i = 0; i < log.published.size(); ++i) {
     Frame frame;
     if (log.uses[i] == FrameUse::kUsed &&
         log.published[i].timestamp_ns == options.frame_timestamp_ns) {
       camera.seek(i);
-      if (camera.next(frame) && frame.readable && at_rest.from_image(frame).valid) {
+      if (camera.next(frame) && frame.readable && converged.from_image(frame).valid) {
         (void)read_scale_in_image(component);
       }
     }
@@ -104,7 +104,7 @@ ConfirmedLandmarks landmarks_of(const GroundView& view) {
   return landmarks;
 }
 
-/// A diameter or an edge of the shape may be what carries the scale.
+/// The scale may come from a diameter or an edge of the shape.
 void measure_scale_by_shape(Component* component) {
   const GroundView view = view_of(*component);
   const ScaleOptions& options = view.parameters.scale;
@@ -123,26 +123,28 @@ void measure_scale_by_shape(Component* component) {
 }
 
 /// A length, range, diameter or edge was given, and lengths are in map units all the same.
-void tell_scale_that_was_not_read(const GroundView& view) {
+void print_scale_that_was_not_read(const GroundView& view) {
   const ScaleOptions& o = view.parameters.scale;
-  const auto tell = [](const char* key, const char* why) {
-    platform::tell("polhode: {}: not read: {}; lengths stay in map units\n", key, why);
+  const auto print_stderr = [](const char* key, const char* why) {
+    platform::print_stderr("polhode: {}: not read: {}; lengths stay in map units\n", key, why);
   };
   if (view.scale.known || view.scale.contradiction) {
     return;
   }
   if (o.known_length_m != 0.0) {
-    tell("scale.known_length_m",
-         "its frame has no pose, its points are not on the target, or where they lie is in doubt");
+    print_stderr(
+        "scale.known_length_m",
+        "its frame has no pose, its points are not on the target, or where they lie is in doubt");
   }
   if (o.range_m != 0.0) {
-    tell("scale.range_m", "its frame has no pose, or the boresight does not meet the target");
+    print_stderr("scale.range_m",
+                 "its frame has no pose, or the boresight does not meet the target");
   }
   if (o.known_diameter_m != 0.0) {
-    tell("scale.known_diameter_m", "no round body was found");
+    print_stderr("scale.known_diameter_m", "no round body was found");
   }
   if (o.known_edge_m != 0.0) {
-    tell("scale.known_edge_m", "no flat side with such an edge was found");
+    print_stderr("scale.known_edge_m", "no flat side with such an edge was found");
   }
 }
 
@@ -158,7 +160,7 @@ FoundShape find_shape(const GroundView& view, const std::vector<Eigen::Vector3d>
   found.shape = shape.value();
   found.body = {.R_TB = shape.value().frame.R_TB, .centroid_T = shape.value().centroid_T};
   const auto hull_work = std::make_unique<HullWork>();
-  // What the cloud does not resolve is left out of its surface.
+  // Details below the cloud's resolution are left out of its surface.
   const double tolerance = std::max(0.5 * shape.value().spacing, shape.value().thickness);
   const Result<Hull> hull = convex_hull(found.work->cloud.points_T.view(), tolerance, *hull_work);
   if (hull) {
@@ -262,7 +264,7 @@ CameraReport finish_replay(Component& component,
   measure_scale_late(sequence, log, &component);
   measure_scale_by_shape(&component);
   const GroundView view = view_of(component);
-  tell_scale_that_was_not_read(view);
+  print_scale_that_was_not_read(view);
   const ConfirmedLandmarks landmarks = landmarks_of(view);
   const FoundShape found = find_shape(view, landmarks.points_T);
   write_clouds(found, landmarks, view.parameters.shape, folder);

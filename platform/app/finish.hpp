@@ -12,7 +12,7 @@
 
 namespace polhode::platform {
 
-/// What the run has left behind, frame by frame.
+/// Results of the run, frame by frame.
 struct ReplayLog {
   std::span<const MotionState> published;
   std::span<const FrameUse> uses;
@@ -23,7 +23,7 @@ struct ReplayLog {
 /// Writes motion_smoothed.csv, the trajectories (*.tum), the clouds, shape.json and
 /// motion_model.json into `folder`. Lengths and poses in them are in the target's body frame:
 /// origin in the centroid, axes from the shape (T's own where no shape was found).
-/// @return what the map at rest says of the camera.
+/// @return the test of the stated camera with the converged map.
 CameraReport finish_replay(Component& component,
                            const Sequence& sequence,
                            const ReplayLog& log,

@@ -9,16 +9,16 @@
 
 namespace polhode::platform {
 
-FramesTrapped::FramesTrapped(bool wished) : wished_(wished) {
+FramesTrapped::FramesTrapped(bool requested) : requested_(requested) {
   // Frames, recordings and checkpoints are files.
   constexpr bool kFiles = false;
-  if (wished_ && !set_memory_trap(kFiles)) {
+  if (requested_ && !set_memory_trap(kFiles)) {
     throw RunFailure("the kernel takes no filter: nothing would be watched");
   }
 }
 
 void FramesTrapped::end() const {
-  if (wished_) {
+  if (requested_) {
     std::fputs("nothing was asked of the machine\n", stderr);
     ::_exit(0);
   }

@@ -3,18 +3,18 @@
 
 namespace polhode::platform {
 
-/// Where wished, whoever asks the machine for memory or a thread from here on ends the program with
-/// exit status 5. What follows the last frame may ask, and a filter of the kernel's stays for good:
-/// the program ends there.
+/// On request, any call for memory or a thread from here on ends the program with exit status 5.
+/// Work after the last frame may call, but a filter of the kernel stays for good: so the program
+/// ends at the last frame.
 class FramesTrapped {
  public:
   /// @throws RunFailure when the kernel takes no filter.
-  explicit FramesTrapped(bool wished);
-  /// After the last frame: ends the process where it was wished, with status 0.
+  explicit FramesTrapped(bool requested);
+  /// After the last frame: ends the process where it was requested, with status 0.
   void end() const;
 
  private:
-  bool wished_;
+  bool requested_;
 };
 
 }  // namespace polhode::platform

@@ -12,19 +12,19 @@
 namespace polhode::platform {
 namespace {
 
-/// What turns the kernel's monotonic clock into UTC, as it is now. Taken once: a clock that is set
-/// later must not make time jump.
+/// Offset from the kernel's monotonic clock to UTC. Taken once: a clock that is set later must not
+/// make time jump.
 std::int64_t utc_offset_ns() { return clock_ns(CLOCK_REALTIME) - clock_ns(CLOCK_MONOTONIC); }
 
 V4l2Options device_options(const DeviceOptions& device, const CameraParameters& camera) {
   constexpr std::int64_t kMicrosecond_ns = 1000;
   const PixelPacking* packing = find_packing(device.pixel_format);
-  return {.wish = {.path = device.source,
-                   .format = {.width_px = camera.width_px,
-                              .height_px = camera.height_px,
-                              .fourcc = packing == nullptr ? 0 : packing->fourcc},
-                   .rate_hz = device.rate_hz,
-                   .buffers = device.buffers},
+  return {.request = {.path = device.source,
+                      .format = {.width_px = camera.width_px,
+                                 .height_px = camera.height_px,
+                                 .fourcc = packing == nullptr ? 0 : packing->fourcc},
+                      .rate_hz = device.rate_hz,
+                      .buffers = device.buffers},
           .exposure_ns = device.exposure_us * kMicrosecond_ns,
           .gain = device.gain,
           .readout_ns = device.readout_us * kMicrosecond_ns,
@@ -47,19 +47,19 @@ ChosenCamera::ChosenCamera(const std::filesystem::path& config,
   if (std::filesystem::is_directory(device_.source)) {
     sequence_ = open_sequence(device_.source);
     parameters->camera = sequence_->camera;
-    tell_warnings(sequence_->warnings);
+    print_warnings(sequence_->warnings);
   }
   if (const auto problem = check(*parameters)) {
     throw UnusableInput(fmt::format("{}: {}", config_.string(), problem->message));
   }
   if (!sequence_) {
-    judge_configured_camera(config_, parameters->camera);
+    check_configured_camera(config_, parameters->camera);
     refuse_unsuitable(parameters->camera);
   }
 }
 
 void ChosenCamera::refuse_unsuitable(const CameraParameters& parameters) const {
-  DeviceStream device(linux_device_calls(), device_options(device_, parameters).wish);
+  DeviceStream device(linux_device_calls(), device_options(device_, parameters).request);
   if (device.check() == OpenResult::kUnsuitable) {
     throw UnusableInput(
         fmt::format("{}: device.source: unsuitable: {}", config_.string(), device.trouble()));
@@ -91,13 +91,13 @@ void ChosenCamera::open_device(const CameraParameters& parameters) {
       std::make_unique<V4l2Camera>(linux_device_calls(), device_options(device_, parameters));
   if (camera->open() == OpenResult::kStreaming) {
     const OfferedFormat& format = camera->stream().format();
-    say("camera: %s, %s %dx%d, %.4g Hz, %zu buffers",
-        device_.source.c_str(),
-        fourcc_text(format.fourcc).c_str(),
-        format.width_px,
-        format.height_px,
-        camera->stream().rate_hz(),
-        camera->stream().buffers());
+    report_line("camera: %s, %s %dx%d, %.4g Hz, %zu buffers",
+                device_.source.c_str(),
+                fourcc_text(format.fourcc).c_str(),
+                format.width_px,
+                format.height_px,
+                camera->stream().rate_hz(),
+                camera->stream().buffers());
   }
   camera_ = std::move(camera);
 }

@@ -1,4 +1,4 @@
-// What a live run counts and measures, in memory that does not grow.
+// Counters and measurements of a live run, in memory that does not grow.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace polhode::platform {
 
-/// What the disk did not take, since the start.
+/// Failed writes to the disk since the start.
 struct WriteFailures {
   std::uint64_t packets = 0;  ///< steps whose packets are not, or not whole, in bus.ccsds
   std::uint64_t checkpoints = 0;
@@ -76,7 +76,7 @@ class DurationHistogram {
 
 struct LiveCounts {
   std::uint32_t frames_accepted = 0;
-  std::uint32_t frames_dropped_for_job = 0;  ///< the work that was due had not come back
+  std::uint32_t frames_dropped_for_job = 0;  ///< the work that was due was not finished
   std::uint32_t frames_with_pose = 0;
   std::uint32_t first_pose_frame = UINT32_MAX;  ///< accepted frames before it
   std::int64_t last_step_us = 0;
@@ -86,8 +86,8 @@ struct LiveCounts {
   DurationHistogram publish;  ///< a step's jobs to the worker, its packets to all transports and
                               ///< the run's own file
   DurationHistogram latency;  ///< frame available to packets handed over
-  /// Of that, what the frame's thread was on a processor: the latency on a machine that has one for
-  /// it.
+  /// The part of it in which the frame's thread had a processor: the latency on a machine with a
+  /// processor for it.
   DurationHistogram latency_cpu;
   /// Processor time of the frame's thread a frame, all but the step's: camera, recording, packets,
   /// checkpoint, telemetry.

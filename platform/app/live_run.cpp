@@ -31,8 +31,8 @@ WriteFailures write_failures(const LiveParts& parts) {
           .streamed = parts.transports.refused_by_disk()};
 }
 
-/// What it did not take, at once: to people, and on the bus.
-void tell_disk(LiveParts& parts, std::int64_t now_ns) {
+/// Reports failed writes at once: on stderr, and on the bus.
+void notify_disk(LiveParts& parts, std::int64_t now_ns) {
   const WriteFailures failures = write_failures(parts);
   if (parts.report.written(failures, now_ns)) {
     parts.telemetry.disk_refused(failures, parts.transports, parts.report.last().timestamp_ns);
@@ -58,7 +58,7 @@ bool dropped_for_job(LiveParts& parts) {
 }
 
 /// One accepted frame, from the step to everything that follows from it.
-/// @param cpu_before_ns this thread's processor time before the frame was asked for.
+/// @param cpu_before_ns this thread's processor time before the frame was requested.
 /// @return processor time of the step.
 std::int64_t take_frame(LiveParts& parts,
                         const Frame& frame,
@@ -141,7 +141,7 @@ LiveEnd run_live(LiveParts& parts, const LiveLimits& limits) {
       parts.manager.progress(now_ns);
     }
     attempts = camera.attempts;
-    tell_disk(parts, now_ns);
+    notify_disk(parts, now_ns);
     parts.report.passed(parts.camera, parts.counts, now_ns);
     parts.telemetry.passed(
         parts.counts, parts.camera, parts.transports, now_ns, parts.report.last().timestamp_ns);

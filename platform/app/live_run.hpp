@@ -1,4 +1,4 @@
-// The frame loop of a live run: camera, step, bus, until somebody asks it to stop.
+// The frame loop of a live run: camera, step, bus, until a request to stop.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +26,7 @@ enum class LiveEnd : std::uint8_t {
   kNoCamera,  ///< none within the time allowed at start
 };
 
-/// What the loop works with. Those that may be absent are pointers.
+/// Parts that the loop uses. Those that may be absent are pointers.
 struct LiveParts {
   Component& component;
   Worker& worker;

@@ -12,7 +12,7 @@ double seconds(const timeval& time) {
 MachineUse machine_use() {
   rusage usage{};
   ::getrusage(RUSAGE_SELF, &usage);
-  return {.peak_resident_octets = std::int64_t{usage.ru_maxrss} * 1024,  // Linux counts in KiB
+  return {.peak_resident_bytes = std::int64_t{usage.ru_maxrss} * 1024,  // Linux counts in KiB
           .cpu_s = seconds(usage.ru_utime) + seconds(usage.ru_stime)};
 }
 

@@ -1,4 +1,4 @@
-// What this process has taken from the machine so far.
+// Resources that this process has taken from the machine so far.
 #pragma once
 
 #include <cstdint>
@@ -6,7 +6,7 @@
 namespace polhode::platform {
 
 struct MachineUse {
-  std::int64_t peak_resident_octets = 0;
+  std::int64_t peak_resident_bytes = 0;
   double cpu_s = 0.0;  ///< user and system time of all threads
 };
 

@@ -15,19 +15,19 @@ namespace {
 
 /// Of a pixel in a buffer of the device; where the device chooses, of the widest format that is
 /// taken.
-std::size_t buffer_octets_per_pixel(std::string_view pixel_format) {
+std::size_t buffer_bytes_per_pixel(std::string_view pixel_format) {
   constexpr std::size_t kCompressedMax = 2;
-  const auto octets = [](const PixelPacking& packing) {
+  const auto bytes = [](const PixelPacking& packing) {
     return packing.packing == Packing::kCompressed
                ? kCompressedMax
-               : static_cast<std::size_t>(packing.octets_per_pixel);
+               : static_cast<std::size_t>(packing.bytes_per_pixel);
   };
   if (const PixelPacking* packing = find_packing(pixel_format)) {
-    return octets(*packing);
+    return bytes(*packing);
   }
   std::size_t most = 0;
   for (const PixelPacking& packing : pixel_packings()) {
-    most = std::max(most, octets(packing));
+    most = std::max(most, bytes(packing));
   }
   return most;
 }
@@ -36,16 +36,16 @@ std::size_t buffer_octets_per_pixel(std::string_view pixel_format) {
 
 MachineNeeds transport_needs(const TransportOptions& options, const CameraParameters& camera) {
   MachineNeeds needs{.rows = {},
-                     .general_octets = own_structure_octets(options.own_structure_file, camera)};
+                     .general_bytes = own_structure_bytes(options.own_structure_file, camera)};
   if (!options.transport.commands.key.empty()) {
     // OpenSSL's contexts of one MAC, given back after each; 3 kB with OpenSSL 3.0.
-    constexpr std::size_t kMac_octets = std::size_t{16} << 10U;
-    needs.general_octets += kMac_octets;
+    constexpr std::size_t kMac_bytes = std::size_t{16} << 10U;
+    needs.general_bytes += kMac_bytes;
   }
   for (const std::string& text : options.transport.send) {
     const AddressKind kind = parse_address(text).kind;
     if (kind == AddressKind::kUnix || kind == AddressKind::kUdp) {
-      needs.general_octets += DatagramSender::backlog_octets();
+      needs.general_bytes += DatagramSender::backlog_octets();
     } else if (kind == AddressKind::kShm) {
       needs.rows.push_back({"ring of packets in shared memory", RingWriter::octets()});
     }
@@ -55,17 +55,18 @@ MachineNeeds transport_needs(const TransportOptions& options, const CameraParame
 
 void add_sequence(const Sequence& sequence, MachineNeeds* needs) {
   // The libraries' own: tables and windows, and groups of rows before and after upsampling, under
-  // 200 octets a column for a JPEG (tests/platform/v4l2/jpeg_decoder_test.cpp), 32 for a PNG.
+  // 200 bytes a column for a JPEG (tests/platform/v4l2/jpeg_decoder_test.cpp), 32 for a PNG.
   constexpr std::size_t kTables = std::size_t{128} << 10U;
   constexpr std::size_t kPerColumn = 256;
-  // In one piece: what the heap surely finds is up to a sixteenth less than what is free.
-  const std::size_t whole = sequence.decoder_octets + sequence.decoder_octets / 16;
-  needs->decoder_octets =
+  // In one piece: a block that the heap surely finds is up to a sixteenth smaller than the free
+  // memory.
+  const std::size_t whole = sequence.decoder_bytes + sequence.decoder_bytes / 16;
+  needs->decoder_bytes =
       kTables + kPerColumn * static_cast<std::size_t>(sequence.camera.width_px) + whole;
-  needs->rows.push_back({"the largest of the frames' files", sequence.file_octets_max});
+  needs->rows.push_back({"the largest of the frames' files", sequence.file_bytes_max});
 }
 
-std::size_t recorded_frame_octets(const CameraParameters& camera) {
+std::size_t recorded_frame_bytes(const CameraParameters& camera) {
   return 2 * static_cast<std::size_t>(camera.width_px) * static_cast<std::size_t>(camera.height_px);
 }
 
@@ -74,19 +75,19 @@ MachineNeeds live_needs(const MachineOptions& machine,
                         const CameraParameters& camera) {
   MachineNeeds needs = transport_needs(options, camera);
   if (!machine.device.source.empty() && !std::filesystem::is_directory(machine.device.source)) {
-    const std::size_t buffer_octets = buffer_octets_per_pixel(machine.device.pixel_format) *
-                                      static_cast<std::size_t>(camera.width_px) *
-                                      static_cast<std::size_t>(camera.height_px);
-    needs.rows.push_back({"buffers of the device",
-                          static_cast<std::size_t>(machine.device.buffers) * buffer_octets});
+    const std::size_t buffer_bytes = buffer_bytes_per_pixel(machine.device.pixel_format) *
+                                     static_cast<std::size_t>(camera.width_px) *
+                                     static_cast<std::size_t>(camera.height_px);
+    needs.rows.push_back(
+        {"buffers of the device", static_cast<std::size_t>(machine.device.buffers) * buffer_bytes});
   }
   if (!machine.run.checkpoint.empty()) {
     needs.rows.push_back({"checkpoint", checkpoint_octets_max()});
   }
   if (!machine.recording.folder.empty()) {
     needs.rows.push_back({"recording",
-                          Recorder::octets_needed(static_cast<std::size_t>(machine.recording.slots),
-                                                  recorded_frame_octets(camera))});
+                          Recorder::bytes_needed(static_cast<std::size_t>(machine.recording.slots),
+                                                 recorded_frame_bytes(camera))});
   }
   return needs;
 }

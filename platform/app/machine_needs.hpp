@@ -1,4 +1,4 @@
-// Memory of a run beside the estimator's: for packets, pictures of the device, checkpoints,
+// Memory of a run beside the estimator's: for packets, images of the device, checkpoints,
 // recordings.
 #pragma once
 
@@ -9,10 +9,10 @@
 
 namespace polhode::platform {
 
-/// Of packets that wait for a reader, and of the picture of the servicer's own.
+/// Of packets that wait for a reader, and of the image of the servicer's own.
 MachineNeeds transport_needs(const TransportOptions& options, const CameraParameters& camera);
 
-/// Adds what frames from files take.
+/// Adds the needs of frames from files.
 void add_sequence(const Sequence& sequence, MachineNeeds* needs);
 
 /// Of a live run.
@@ -20,7 +20,7 @@ MachineNeeds live_needs(const MachineOptions& machine,
                         const TransportOptions& options,
                         const CameraParameters& camera);
 
-/// Octets of a recorded picture at most.
-std::size_t recorded_frame_octets(const CameraParameters& camera);
+/// Bytes of a recorded image at most.
+std::size_t recorded_frame_bytes(const CameraParameters& camera);
 
 }  // namespace polhode::platform

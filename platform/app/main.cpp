@@ -26,7 +26,7 @@
 #include "os/linux/libraries.hpp"
 #include "os/linux/standard_files.hpp"
 #include "pipeline/component.hpp"
-#include "tell.hpp"
+#include "print_stderr.hpp"
 
 namespace {
 
@@ -89,15 +89,15 @@ void add_replay(CLI::App& app, ReplayArguments& arguments) {
   command
       ->add_option("--depth-bits",
                    arguments.pixels.depth_bits,
-                   "of levels that 16-bit pictures hold unshifted: 8, 10, 12, 14 or 16; else by "
+                   "of unshifted levels in 16-bit images: 8, 10, 12, 14 or 16; else by "
                    "sBIT, maxval or the levels themselves")
       ->type_name("BITS")
       ->check(CLI::IsMember({8, 10, 12, 14, 16}));
   command
       ->add_option("--mosaic",
                    arguments.pixels.mosaic,
-                   "of a colour sensor, in gray pictures: level (each pixel becomes the mean "
-                   "around it) or keep; else levelled where all pictures show one")
+                   "of a colour sensor, in gray images: level (each pixel becomes the mean "
+                   "around it) or keep; else levelled where all images show one")
       ->type_name("level|keep")
       ->transform(CLI::CheckedTransformer(std::map<std::string, polhode::platform::MosaicChoice>{
                                               {"level", polhode::platform::MosaicChoice::kLevel},
@@ -110,7 +110,7 @@ void add_replay(CLI::App& app, ReplayArguments& arguments) {
   command
       ->add_option("--job-latency-ms",
                    arguments.job_latency_ms,
-                   "for tests: hold each job back by a random time up to this")
+                   "for tests: delay each job by a random time up to this")
       ->type_name("MS")
       ->check(CLI::Range(0, 60000));
   command
@@ -326,11 +326,12 @@ NamedCommand find_command(const CLI::App& app, int argc, char** argv) {
   return named;
 }
 
-void tell_misuse(const NamedCommand& named, const char* problem) {
+void print_misuse(const NamedCommand& named, const char* problem) {
   if (named.unknown.empty()) {
-    polhode::platform::tell("polhode: {} ({} --help shows the usage)\n", problem, named.path);
+    polhode::platform::print_stderr(
+        "polhode: {} ({} --help shows the usage)\n", problem, named.path);
   } else {
-    polhode::platform::tell(
+    polhode::platform::print_stderr(
         "{}: unknown command '{}'; allowed are {}\n",
         named.path == "polhode" ? "polhode" : "polhode: " + named.path.substr(8),
         named.unknown,
@@ -363,7 +364,7 @@ int run(int argc, char** argv) {
   } catch (const CLI::Success& request) {  // --help and --version
     return app.exit(request);
   } catch (const CLI::ParseError& problem) {
-    tell_misuse(find_command(app, argc, argv), polhode::platform::legible(problem.what()).c_str());
+    print_misuse(find_command(app, argc, argv), polhode::platform::legible(problem.what()).c_str());
     return kUnusable;
   }
   return 0;
@@ -373,24 +374,24 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   polhode::platform::prepare_standard_files();
-  polhode::platform::tell_assertions();
+  polhode::platform::print_assertions();
   polhode::platform::pin_libraries();
   try {
     const int status = run(argc, argv);
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
-      polhode::platform::tell("polhode: standard output: {}\n",
-                              std::generic_category().message(errno));
+      polhode::platform::print_stderr("polhode: standard output: {}\n",
+                                      std::generic_category().message(errno));
       return kRunFailed;
     }
     return status;
   } catch (const polhode::platform::UnusableInput& problem) {
-    polhode::platform::tell("polhode: {}\n", problem.what());
+    polhode::platform::print_stderr("polhode: {}\n", problem.what());
     return kUnusable;
   } catch (const std::bad_alloc&) {
-    polhode::platform::tell_last("polhode: the machine gives no more memory\n");
+    polhode::platform::print_last("polhode: the machine gives no more memory\n");
     return kRunFailed;
   } catch (const std::exception& problem) {
-    polhode::platform::tell("polhode: {}\n", polhode::platform::legible(problem.what()));
+    polhode::platform::print_stderr("polhode: {}\n", polhode::platform::legible(problem.what()));
     return kRunFailed;
   }
 }

@@ -45,7 +45,7 @@ void draw(const GroundView& view, const cv::Size& size, std::vector<unsigned cha
 }  // namespace
 
 MaskLog::MaskLog(const std::filesystem::path& folder)
-    : pictures_(folder / "masks.pgms"), tracks_(folder / "mask_tracks.csv") {
+    : images_(folder / "masks.pgms"), tracks_(folder / "mask_tracks.csv") {
   tracks_.write("frame,u_px,v_px,from_u_px,from_v_px,class\n");
 }
 
@@ -60,7 +60,7 @@ void MaskLog::append(std::size_t frame, const StepOutput& out, const GroundView&
   } else {
     pixels_.assign(1, 0);
   }
-  pictures_.write(fmt::format(
+  images_.write(fmt::format(
       "P5\n# frame {} used {:d} behind {:d} found {:d} sharp {:d} decimation {}\n{} {}\n255\n",
       frame,
       used,
@@ -70,7 +70,7 @@ void MaskLog::append(std::size_t frame, const StepOutput& out, const GroundView&
       mask.behind ? mask.points.decimation : TargetMask::kCell_px,
       size.width,
       size.height));
-  pictures_.write(pixels_.data(), pixels_.size());
+  images_.write(pixels_.data(), pixels_.size());
   if (!used || !mask.behind) {
     return;
   }
@@ -88,7 +88,7 @@ void MaskLog::append(std::size_t frame, const StepOutput& out, const GroundView&
 }
 
 void MaskLog::close() {
-  pictures_.close();
+  images_.close();
   tracks_.close();
 }
 

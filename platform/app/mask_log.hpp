@@ -1,4 +1,4 @@
-// What was taken for the target, frame by frame, for overlays and for judging: written on request.
+// Target masks frame by frame, for overlays and evaluation: written on request.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +20,7 @@ class MaskLog {
   void close();
 
  private:
-  OutputFile pictures_;
+  OutputFile images_;
   OutputFile tracks_;
   std::vector<unsigned char> pixels_;
 };

@@ -1,4 +1,4 @@
-// polhode model save | check: what a run has learnt of its target, for another pass.
+// polhode model save | check: a run's model of its target, for another pass.
 #pragma once
 
 #include <filesystem>
@@ -17,7 +17,8 @@ struct ModelSaveArguments {
 /// @throws UnusableInput, RunFailure.
 void save_model(const ModelSaveArguments& arguments);
 
-/// A few lines on what a model holds. @throws UnusableInput where it is not whole.
+/// A few lines on a model's content.
+/// @throws UnusableInput where it is not whole.
 std::string describe_model(const std::filesystem::path& file);
 
 /// Prints them.

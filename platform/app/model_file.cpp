@@ -28,7 +28,7 @@ bool begins_as_model(const fs::path& file) {
   return platform::begins_as_model(begin);
 }
 
-std::span<std::uint8_t> octets_of(const TableMemory& memory) {
+std::span<std::uint8_t> bytes_of(const TableMemory& memory) {
   return {reinterpret_cast<std::uint8_t*>(memory.span().data()), memory.span().size()};
 }
 
@@ -37,7 +37,7 @@ constexpr const char* unit_of(const TargetModelFacts& f) {
 }
 
 std::string inertia_line(const TargetModelFacts& f) {
-  // Half of the prior's sigma: three quarters of what is known is from the poses.
+  // Half of the prior's sigma: then three quarters of the information is from the poses.
   if (!f.body.known || !(f.body.shape_sigma.maxCoeff() <= 0.5 * kShapeSigma)) {
     return "inertia ratios: unknown\n";
   }
@@ -48,7 +48,7 @@ std::string inertia_line(const TargetModelFacts& f) {
 
 std::string mass_centre_line(const TargetModelFacts& f) {
   const double unit = f.scale_known ? f.metres_per_mu : 1.0;
-  // Half of the body: the prior's sigma says as much.
+  // Half of the body, which is the prior's sigma.
   if (!f.body.known || !(f.body.mass_centre_sigma.maxCoeff() <= 0.5 * f.radius_mu)) {
     return "mass centre: unknown\n";
   }
@@ -71,15 +71,15 @@ std::string load_model_file(const fs::path& file, Component* component, TargetMo
   if (!fs::is_regular_file(file, problem)) {
     return problem ? fmt::format("cannot be read: {}", problem.message()) : "no regular file";
   }
-  const std::uintmax_t octets = fs::file_size(file, problem);
+  const std::uintmax_t bytes = fs::file_size(file, problem);
   if (problem || !begins_as_model(file)) {
     return "no model of a target";
   }
-  if (octets > model_octets_max()) {
+  if (bytes > model_octets_max()) {
     return "larger than this program's tables";
   }
-  const TableMemory memory(octets);  // beside the pools, which are the libraries'
-  const std::span<std::uint8_t> whole = octets_of(memory).first(octets);
+  const TableMemory memory(bytes);  // beside the pools, which are the libraries'
+  const std::span<std::uint8_t> whole = bytes_of(memory).first(bytes);
   std::ifstream in(file, std::ios::binary);
   in.read(reinterpret_cast<char*>(whole.data()), static_cast<std::streamsize>(whole.size()));
   if (!in) {
@@ -107,12 +107,12 @@ void check_model_place(const fs::path& file) {
 
 void write_model_file(const fs::path& file, const Component& component) {
   const TableMemory memory(model_octets_max());
-  const std::span<std::uint8_t> out = octets_of(memory);
-  const std::size_t octets = save_model_octets(component, out);
-  if (octets == 0) {
+  const std::span<std::uint8_t> out = bytes_of(memory);
+  const std::size_t bytes = save_model_octets(component, out);
+  if (bytes == 0) {
     throw RunFailure(fmt::format("{}: not written: there is no map", file.string()));
   }
-  write_file(file, {reinterpret_cast<const char*>(out.data()), octets});
+  write_file(file, {reinterpret_cast<const char*>(out.data()), bytes});
 }
 
 std::string describe(const TargetModelFacts& f) {

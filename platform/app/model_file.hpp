@@ -1,4 +1,4 @@
-// A target's model on disk, for another pass: whole or refused. The same octets on every machine.
+// A target's model on disk, for another pass: whole or refused. The same bytes on every machine.
 #pragma once
 
 #include <filesystem>
@@ -14,11 +14,11 @@ std::string load_model_file(const std::filesystem::path& file,
                             Component* component,
                             TargetModelFacts* facts);
 
-/// Nothing of somebody else's stands where a model is to be written: nothing at all, or a model.
+/// Checks that the place of a new model is free, or has a model.
 /// @throws UnusableInput naming the place.
 void check_model_place(const std::filesystem::path& file);
 
-/// The component's map as a model, in place of what model was there.
+/// Writes the component's map as a model, in place of an earlier model.
 /// @throws RunFailure where there is no map, or the disk does not take it.
 void write_model_file(const std::filesystem::path& file, const Component& component);
 

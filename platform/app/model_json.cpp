@@ -65,9 +65,9 @@ Json paper(const ModelInput& input) {
   return model ? describe(model.value(), input.scale_sigma) : Json(nullptr);
 }
 
-/// Poses that are the dynamics' own share its error, however many they are: what they scatter by,
-/// and what the square root of their number leaves of their sigmas, says nothing of it.
-// It is a few levels deep, as it is written here.
+/// Removes the sigmas of a fit to poses that the dynamics themselves gave: these share the error of
+/// the dynamics, so their scatter and number do not measure it.
+// The recursion is a few levels deep: this file writes the JSON.
 void withhold_sigmas(Json* json) {  // NOLINT(misc-no-recursion)
   for (auto& [key, value] : json->items()) {
     if (key.starts_with("sigma_") || key.starts_with("chi2_") || key.starts_with("rms_")) {

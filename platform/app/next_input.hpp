@@ -1,4 +1,4 @@
-// What a step is given: the frame, the jobs that are due, and whether memory ran short.
+// Input of a step: the frame, the jobs that are due, and whether memory ran short.
 #pragma once
 
 #include "os/linux/worker.hpp"

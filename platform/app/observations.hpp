@@ -1,5 +1,4 @@
-// The image measurements of a run: as a table for people and tools, and spooled for the
-// re-estimation at the end.
+// The image measurements of a run: as a table, and spooled for the re-estimation at the end.
 #pragma once
 
 #include <cstdint>

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "camera/replay/decode.hpp"
-#include "camera/replay/file_octets.hpp"
+#include "camera/replay/file_bytes.hpp"
 #include "errors.hpp"
 #include "os/linux/memory/region.hpp"
 #include "parameters/sha256.hpp"
@@ -29,19 +29,19 @@ std::size_t pixels_of(const CameraParameters& camera) {
   return static_cast<std::size_t>(camera.width_px) * static_cast<std::size_t>(camera.height_px);
 }
 
-bool is_jpeg(const std::vector<std::uint8_t>& octets) {
-  return octets.size() >= 2 && octets[0] == 0xFF && octets[1] == 0xD8;
+bool is_jpeg(const std::vector<std::uint8_t>& bytes) {
+  return bytes.size() >= 2 && bytes[0] == 0xFF && bytes[1] == 0xD8;
 }
 
-/// The picture's levels, 8 bits a pixel. Its size is looked at before memory is taken for it.
+/// The image's levels, 8 bits a pixel. Its size is looked at before memory is taken for it.
 std::vector<std::uint8_t> read_levels(const fs::path& file,
                                       const CameraParameters& camera,
-                                      const std::vector<std::uint8_t>& octets) {
-  if (is_jpeg(octets)) {
+                                      const std::vector<std::uint8_t>& bytes) {
+  if (is_jpeg(bytes)) {
     refuse(file, fmt::format("is a JPEG, whose edges are not sharp; {}", kAllowed));
   }
   DecodedImage image;
-  if (const Refusal problem = read_header(octets, image.header)) {
+  if (const Refusal problem = read_header(bytes, image.header)) {
     refuse(file, fmt::format("{}; {}", *problem, kAllowed));
   }
   if (image.header.width_px != camera.width_px || image.header.height_px != camera.height_px) {
@@ -52,7 +52,7 @@ std::vector<std::uint8_t> read_levels(const fs::path& file,
                        camera.width_px,
                        camera.height_px));
   }
-  if (const Refusal problem = decode(octets, image)) {
+  if (const Refusal problem = decode(bytes, image)) {
     refuse(file, fmt::format("{}; {}", *problem, kAllowed));
   }
   if (image.header.format == PixelFormat::kGray8) {
@@ -91,11 +91,11 @@ OwnStructureFile::OwnStructureFile(const fs::path& file, const CameraParameters&
   if (file.empty()) {
     return;
   }
-  std::vector<std::uint8_t> octets;
-  if (const auto unreadable = read_file(file, octets)) {
+  std::vector<std::uint8_t> bytes;
+  if (const auto unreadable = read_file(file, bytes)) {
     refuse(file, *unreadable);
   }
-  std::vector<std::uint8_t> levels = read_levels(file, camera, octets);
+  std::vector<std::uint8_t> levels = read_levels(file, camera, bytes);
   refuse_gray(file, levels);
   constexpr double kHalf = 127.0;
   const PoolScope scope(Pool::kGeneral);
@@ -113,14 +113,13 @@ OwnStructureFile::OwnStructureFile(const fs::path& file, const CameraParameters&
     refuse(file, "is white all over, so nothing could be target; black is what may be");
   }
   part_ = static_cast<double>(own) / static_cast<double>(levels.size());
-  sha256_ = sha256_of({reinterpret_cast<const char*>(octets.data()), octets.size()});
+  sha256_ = sha256_of({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   own_ = own_structure(pixels);
 }
 
-std::size_t own_structure_octets(const fs::path& file, const CameraParameters& camera) {
-  // The file is no longer than the picture of 16 bits that it may hold and its headers; the
-  // picture, its levels, and the two reduced ones. What PNG's library takes is told in
-  // add_sequence().
+std::size_t own_structure_bytes(const fs::path& file, const CameraParameters& camera) {
+  // The file is no longer than an image of 16 bits and its headers; then the image, its levels, and
+  // the two reduced ones. The PNG library's share is in add_sequence().
   constexpr std::size_t kPerPixel = 8;
   constexpr std::size_t kBeside = std::size_t{512} << 10U;
   return file.empty() ? 0 : kPerPixel * pixels_of(camera) + kBeside;

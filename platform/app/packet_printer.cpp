@@ -13,12 +13,12 @@
 #include "bus/event_table.hpp"
 #include "bus/telemetry.hpp"
 #include "errors.hpp"
-#include "tell.hpp"
+#include "print_stderr.hpp"
 
 namespace polhode::platform {
 namespace {
 
-/// What the codes among an event's numbers mean, "IDLE to ACQUIRING"; empty where there are none.
+/// Meaning of the codes among an event's numbers, "IDLE to ACQUIRING"; empty where there are none.
 std::string event_words(const bus::Layout& layout, const void* packet) {
   if (&layout != &bus::EventPacket::layout()) {
     return "";
@@ -75,7 +75,7 @@ void PacketPrinter::count_missing(const bus::PacketHeader& header) {
 }
 
 void PacketPrinter::packet(const bus::PacketHeader& header, std::span<const std::uint8_t> octets) {
-  tell_damage();
+  print_damage();
   if (packets_++ == 0 && !options_.json) {
     fmt::print("{:>5} {:<12} {:>19} {}\n", "count", "packet", "timestamp_ns", "fields");
   }
@@ -88,7 +88,7 @@ void PacketPrinter::packet(const bus::PacketHeader& header, std::span<const std:
   alignas(std::max_align_t) std::array<std::byte, bus::kStructOctetsMax> packet{};
   const Result<bus::PacketHeader> decoded = bus::decode(*layout, octets, packet.data());
   if (!decoded) {
-    tell("packet {} of APID {}: {}\n", packets_ - 1, header.apid, decoded.error().message);
+    print_stderr("packet {} of APID {}: {}\n", packets_ - 1, header.apid, decoded.error().message);
     return;
   }
   print_packet(*layout, header, packet.data(), options_.json);
@@ -103,47 +103,47 @@ void PacketPrinter::damage(std::uint64_t offset, std::size_t octets) {
 }
 
 void PacketPrinter::finish() {
-  tell_damage();
+  print_damage();
   for (const auto& [apid, count] : unknown_) {
-    tell("{}: {} packets of APID {}, which is none of {} and following (--apid-first)\n",
-         options_.source,
-         count,
-         apid,
-         options_.apid_first);
+    print_stderr("{}: {} packets of APID {}, which is none of {} and following (--apid-first)\n",
+                 options_.source,
+                 count,
+                 apid,
+                 options_.apid_first);
   }
   if (idle_ + foreign_ > 0) {
-    tell("{}: passed over: {} idle packets, {} of other applications without our CRC\n",
-         options_.source,
-         idle_,
-         foreign_);
+    print_stderr("{}: passed over: {} idle packets, {} of other applications without our CRC\n",
+                 options_.source,
+                 idle_,
+                 foreign_);
   }
-  tell("{} packets, {} missing by their counts, {} octets damaged\n",
-       packets_,
-       missing_,
-       damaged_total_);
+  print_stderr("{} packets, {} missing by their counts, {} octets damaged\n",
+               packets_,
+               missing_,
+               damaged_total_);
 }
 
-void PacketPrinter::tell_damage() {
+void PacketPrinter::print_damage() {
   if (damage_octets_ != 0) {
-    tell("{}: {} octets at offset {} are no packet\n",
-         options_.source,
-         damage_octets_,
-         damage_offset_);
+    print_stderr("{}: {} octets at offset {} are no packet\n",
+                 options_.source,
+                 damage_octets_,
+                 damage_offset_);
     damage_octets_ = 0;
   }
 }
 
 void StreamReader::add(std::span<const std::uint8_t> more, bool at_end, PacketPrinter& printer) {
-  held_.insert(held_.end(), more.begin(), more.end());
+  buffered_.insert(buffered_.end(), more.begin(), more.end());
   std::size_t at = 0;
-  while (at < held_.size()) {
+  while (at < buffered_.size()) {
     const bus::StreamPiece piece = bus::next_piece(
-        held_, at, at_end, {.after_damage = after_damage_, .apid_first = printer.apid_first()});
+        buffered_, at, at_end, {.after_damage = after_damage_, .apid_first = printer.apid_first()});
     if (piece.kind == bus::PieceKind::kIncomplete) {
       break;
     }
     if (piece.kind == bus::PieceKind::kPacket) {
-      printer.packet(piece.header, std::span(held_).subspan(piece.offset, piece.octets));
+      printer.packet(piece.header, std::span(buffered_).subspan(piece.offset, piece.octets));
     } else if (piece.kind == bus::PieceKind::kDamaged) {
       printer.damage(offset_ + piece.offset, piece.octets);
     } else {
@@ -153,7 +153,7 @@ void StreamReader::add(std::span<const std::uint8_t> more, bool at_end, PacketPr
     after_damage_ = piece.kind == bus::PieceKind::kDamaged;
     at += piece.octets;
   }
-  held_.erase(held_.begin(), held_.begin() + static_cast<std::ptrdiff_t>(at));
+  buffered_.erase(buffered_.begin(), buffered_.begin() + static_cast<std::ptrdiff_t>(at));
   offset_ += at;
 }
 

@@ -1,4 +1,4 @@
-// Packets of any kind decoded for people or as JSON, by the field table; what was lost is told.
+// Packets of any kind decoded as text or JSON, by the field table; losses are reported.
 #pragma once
 
 #include <cstdint>
@@ -12,25 +12,25 @@
 namespace polhode::platform {
 
 struct PrinterOptions {
-  std::string source;  ///< named in what is said of damage
+  std::string source;  ///< named in reports of damage
   bool json = false;   ///< one object a line instead of a table
   int apid_first = 0x1A0;
 };
 
-/// Prints packets one by one on standard output and counts what was wrong.
+/// Prints packets one by one on standard output and counts errors.
 class PacketPrinter {
  public:
   explicit PacketPrinter(PrinterOptions options) : options_(std::move(options)) {}
 
   void packet(const bus::PacketHeader& header, std::span<const std::uint8_t> octets);
 
-  /// Octets that belong to no packet. Told, on standard error, only once packets stand beside it: a
-  /// file of something else gets one line, not hundreds.
+  /// Octets that belong to no packet. Reported on standard error only when a packet follows: a file
+  /// of something else gets one line, not hundreds.
   void damage(std::uint64_t offset, std::size_t octets);
 
-  /// As damage(), of what its reader has told already.
+  /// As damage(), where the reader has reported it already.
   void count_damage(std::uint64_t octets) { damaged_total_ += octets; }
-  /// Packets that say nothing to us: idle ones, and other applications' without our CRC.
+  /// Packets without our content: idle ones, and other applications' without our CRC.
   void passed_over(std::uint64_t idle, std::uint64_t foreign) {
     idle_ += idle;
     foreign_ += foreign;
@@ -44,7 +44,7 @@ class PacketPrinter {
   [[nodiscard]] std::uint64_t damaged_octets() const { return damaged_total_; }
 
  private:
-  void tell_damage();
+  void print_damage();
   void count_missing(const bus::PacketHeader& header);
 
   PrinterOptions options_;
@@ -63,14 +63,14 @@ class PacketPrinter {
 /// A stream that arrives in pieces, cut into packets.
 class StreamReader {
  public:
-  /// @param more    what arrived
-  /// @param at_end  nothing will follow: what is left is damage
+  /// @param more    the octets that arrived
+  /// @param at_end  nothing will follow: the rest is damage
   void add(std::span<const std::uint8_t> more, bool at_end, PacketPrinter& printer);
 
  private:
   bool after_damage_ = false;
-  std::vector<std::uint8_t> held_;
-  std::uint64_t offset_ = 0;  ///< of held_ in the stream
+  std::vector<std::uint8_t> buffered_;
+  std::uint64_t offset_ = 0;  ///< of buffered_ in the stream
 };
 
 }  // namespace polhode::platform

@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A key of the configuration, and what it says.
+/// A key of the configuration, and its value.
 struct Place {
   const fs::path& config;
   const char* key;
@@ -32,7 +32,7 @@ struct Place {
       fmt::format("{}: {}: {}: {}", place.config.string(), place.key, place.path.string(), why));
 }
 
-/// What the call throws, with the place's key.
+/// Passes on exceptions of the call, with the place's key.
 template <typename Call>
 auto of_place(const Place& place, Call call) {
   return named(fmt::format("{}: {}", place.config.string(), place.key), call);
@@ -82,16 +82,16 @@ void lock_folder(const Place& place, std::vector<Descriptor>* locks) {
   }
 }
 
-/// A run's own bears these fields since the first version; an empty file is no loss. A link is
-/// replaced, which leaves the file it names as it is.
+/// A run's own has had these fields since the first version; an empty file is no loss. A link is
+/// replaced, which leaves its target unchanged.
 bool is_of_others(const fs::path& run_json) {
   std::error_code absent;
   if (fs::symlink_status(run_json, absent).type() != fs::file_type::regular) {
     return false;
   }
-  constexpr std::size_t kOctetsMax = std::size_t{1} << 20U;
+  constexpr std::size_t kBytesMax = std::size_t{1} << 20U;
   std::ifstream in(run_json, std::ios::binary);
-  std::string text(kOctetsMax, '\0');
+  std::string text(kBytesMax, '\0');
   in.read(text.data(), static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<std::size_t>(std::max<std::streamsize>(0, in.gcount())));
   return !text.empty() && (text.find("\"config_hash\"") == std::string::npos ||

@@ -1,5 +1,5 @@
-// Where a run writes to. What will not do is found before it starts, not when the first checkpoint
-// is lost.
+// Places that a run writes to. An unusable one is found before the start, not when the first
+// checkpoint is lost.
 #pragma once
 
 #include <filesystem>

@@ -81,7 +81,7 @@ PlatformTelemetry::~PlatformTelemetry() {
   }
 }
 
-/// The second number of statm, in pages; 0 where the kernel does not tell.
+/// The second number of statm, in pages; 0 where the kernel does not give it.
 std::uint64_t PlatformTelemetry::resident_octets() const {
   std::array<char, 128> text{};
   if (statm_ < 0 || ::pread(statm_, text.data(), text.size() - 1, 0) <= 0) {
@@ -106,7 +106,7 @@ void PlatformTelemetry::passed(const LiveCounts& counts,
   bus::PlatformPacket packet = packet_of(counts, camera.counters(), transports);
   packet.timestamp_ns = frame_ns;
   packet.resident_octets = resident_octets();
-  packet.resident_peak_octets = static_cast<std::uint64_t>(machine_use().peak_resident_octets);
+  packet.resident_peak_octets = static_cast<std::uint64_t>(machine_use().peak_resident_bytes);
   packet.uptime_s = static_cast<std::uint32_t>((now_ns - begun_ns_) / kSecond_ns);
   packet.restarts = facts_.restarts;
   packet.flags = flags_of(facts_);
@@ -129,7 +129,7 @@ void PlatformTelemetry::disk_refused(const WriteFailures& failures,
                                            static_cast<double>(failures.streamed)},
                                  .id = kDiskRefused,
                                  .severity = static_cast<std::uint8_t>(bus::Severity::kError)};
-  const int octets = std::snprintf(
+  const int bytes = std::snprintf(
       event.text.data(),
       event.text.size(),
       "disk: not written: packets of %.0f steps, %.0f checkpoints, %.0f records, %.0f packets of "
@@ -139,7 +139,7 @@ void PlatformTelemetry::disk_refused(const WriteFailures& failures,
       event.value[2],
       event.value[3]);
   event.text_octets =
-      static_cast<std::uint8_t>(std::clamp(octets, 0, static_cast<int>(event.text.size()) - 1));
+      static_cast<std::uint8_t>(std::clamp(bytes, 0, static_cast<int>(event.text.size()) - 1));
   send(bus::PlatformEventPacket::layout(), &event, events_, frame_ns, transports);
   events_ = bus::next_sequence(events_);
 }
@@ -149,12 +149,12 @@ void PlatformTelemetry::send(const bus::Layout& layout,
                              std::uint16_t sequence,
                              std::int64_t frame_ns,
                              Transports& transports) {
-  const std::size_t octets = bus::encode(
+  const std::size_t bytes = bus::encode(
       layout,
       packet,
       {.apid_first = options_.apid_first, .sequence = sequence, .timestamp_ns = frame_ns},
-      octets_);
-  transports.send(std::span(octets_).first(octets));
+      bytes_);
+  transports.send(std::span(bytes_).first(bytes));
 }
 
 }  // namespace polhode::platform

@@ -1,5 +1,5 @@
-// What the machine around the component does, on the bus: the packets of the field table that are
-// in no replay, two once a second, and events. They go to the transports only, never into a run's
+// Telemetry of the machine around the component: the packets of the field table that are in no
+// replay, two once a second, and events. They go to the transports only, never into a run's
 // bus.ccsds.
 #pragma once
 
@@ -16,9 +16,9 @@
 
 namespace polhode::platform {
 
-/// What stays as it is for the whole run.
+/// Constants of the whole run.
 struct PlatformFacts {
-  bool watchdog = false;       ///< somebody watches the run's progress
+  bool watchdog = false;       ///< a service manager watches the run's progress
   bool locked_memory = false;  ///< no page leaves the memory
   bool real_time = false;      ///< the frames' thread has a real-time priority
   std::uint16_t restarts = 0;  ///< starts from a checkpoint since it was first made
@@ -58,7 +58,7 @@ class PlatformTelemetry {
   std::int64_t due_ns_ = 0;
   std::uint16_t sequence_ = 0;  ///< of both packets
   std::uint16_t events_ = 0;    ///< count of theirs
-  std::array<std::uint8_t, bus::platform_event_layout::kPacketOctets> octets_{};
+  std::array<std::uint8_t, bus::platform_event_layout::kPacketOctets> bytes_{};
 };
 
 }  // namespace polhode::platform

@@ -6,7 +6,7 @@
 #include <cstdio>
 
 #include "app/motion_csv.hpp"
-#include "tell.hpp"
+#include "print_stderr.hpp"
 
 namespace polhode::platform {
 namespace {
@@ -55,7 +55,7 @@ void Progress::update(std::size_t frames_done, const MotionState& motion) {
 
 void Progress::note(const std::string& line) {
   wipe();
-  tell("{}\n", line);
+  print_stderr("{}\n", line);
 }
 
 }  // namespace polhode::platform

@@ -12,16 +12,16 @@ namespace polhode::platform {
 
 void list_recordings(const std::filesystem::path& folder) {
   for (const RecordedRun& run : recorded_runs(folder)) {
-    std::uintmax_t octets = 0;
+    std::uintmax_t bytes = 0;
     for (const auto& file : run.files) {
       std::error_code problem;
       const std::uintmax_t size = std::filesystem::file_size(file, problem);
-      octets += problem ? 0 : size;
+      bytes += problem ? 0 : size;
     }
     fmt::print("{}  {} files, {:.1f} MB{}\n",
                run.utc_ns,
                run.files.size(),
-               1e-6 * static_cast<double>(octets),
+               1e-6 * static_cast<double>(bytes),
                run.begins ? "" : ", its beginning has been removed");
   }
 }

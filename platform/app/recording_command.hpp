@@ -1,4 +1,4 @@
-// polhode recording list | export: what has been recorded, and a run of it as a sequence.
+// polhode recording list | export: lists recordings, and writes a recorded run as a sequence.
 #pragma once
 
 #include <cstdint>

@@ -42,7 +42,7 @@
 #include "pipeline/component.hpp"
 #include "pipeline/ground_view.hpp"
 #include "pipeline/own_structure.hpp"
-#include "tell.hpp"
+#include "print_stderr.hpp"
 #include "transport/command_file.hpp"
 #include "transport/file/packet_file.hpp"
 #include "transport/transports.hpp"
@@ -88,7 +88,7 @@ class Pace {
   Clock::time_point start_ = Clock::now();
 };
 
-/// What a replay works with from its first frame to its last.
+/// State of a replay from its first frame to its last.
 struct Run {
   const Sequence& sequence;
   const ServicerAttitude& servicer;
@@ -106,7 +106,7 @@ struct Run {
   std::unique_ptr<MaskLog> masks;  ///< only on request
 };
 
-/// What the frames cost.
+/// Timings of the frames.
 struct RunCost {
   MachineUse at_start;
   MachineUse after_frames;
@@ -131,7 +131,7 @@ void write_frame(
 const StepOutput& timed_step(Run& run, const Frame& frame) {
   StepInput input = next_input(run.component, run.worker, frame);
   input.commands = run.commands.due(frame.timestamp_ns);
-  input.q_IC = run.servicer.told(frame.timestamp_ns);
+  input.q_IC = run.servicer.attitude_at(frame.timestamp_ns);
   for (const auto duration : run.worker.last_durations()) {
     run.timings.job.add(duration);
   }
@@ -176,7 +176,7 @@ CommandFile commands_of(const fs::path& file, const Parameters& parameters) {
 /// The configuration with the sequence's camera, checked as a whole.
 Parameters parameters_for(const ReplayArguments& arguments, const Sequence& sequence) {
   Configuration configuration = load_configuration(arguments.config, arguments.settings);
-  // Only a live run goes by these; a mistake in them is told all the same.
+  // Only a live run uses these; a mistake in them is reported all the same.
   (void)load_machine_options(arguments.config, arguments.settings);
   configuration.parameters.camera = sequence.camera;
   if (const auto problem = check(configuration.parameters)) {
@@ -243,11 +243,11 @@ MachineNeeds needs_of(const TransportOptions& options, const Sequence& sequence)
   return needs;
 }
 
-/// From the first frame to the last nothing is asked of the machine.
+/// From the first frame to the last no memory and no thread is requested.
 RunCost run_sealed(Run& run, const ReplayArguments& arguments) {
   RunCost cost{.at_start = machine_use(), .after_frames = {}, .pools = {}};
   const Clock::time_point start = Clock::now();
-  forget_pool_peaks();
+  reset_pool_peaks();
   seal_memory();
   const FramesTrapped trapped(arguments.memory_trap);
   run_frames(run, arguments.realtime);
@@ -276,20 +276,20 @@ CameraReport finish_files(Run& run, const fs::path& folder) {
                        folder);
 }
 
-/// @return what was said.
-std::vector<std::string> tell_remarks(const FileCamera& camera) {
+/// @return the printed remarks.
+std::vector<std::string> print_remarks(const FileCamera& camera) {
   std::vector<std::string> remarks;
   for (const std::string& remark :
        {camera.orientation_remark(), camera.depth_remark(), camera.mixed_remark()}) {
     if (!remark.empty()) {
-      tell("polhode: {}\n", remark);
+      print_stderr("polhode: {}\n", remark);
       remarks.push_back(remark);
     }
   }
   return remarks;
 }
 
-void tell_result(const Run& run, const fs::path& out) {
+void print_result(const Run& run, const fs::path& out) {
   fmt::print("{}\nwritten to {}\n",
              result_sentence(run.record, run.component.counters(), run.sequence.camera),
              out.string());
@@ -300,22 +300,22 @@ void tell_result(const Run& run, const fs::path& out) {
   }
 }
 
-/// Says what is doubtful, and what levels of few bits were taken for where the arguments do not.
-Sequence open_and_tell(const ReplayArguments& arguments) {
+/// Prints warnings on the sequence, and the bit depth assumed where the arguments do not give it.
+Sequence open_with_warnings(const ReplayArguments& arguments) {
   Sequence sequence = open_sequence(arguments.sequence, arguments.pixels);
   const std::string remark =
       arguments.pixels.depth_bits == 0 ? depth_remark(sequence.depth_bits) : "";
   if (!remark.empty()) {
-    tell("polhode: {}: {}\n", sequence.image_folder.string(), remark);
+    print_stderr("polhode: {}: {}\n", sequence.image_folder.string(), remark);
   }
-  tell_warnings(sequence.warnings);
+  print_warnings(sequence.warnings);
   return sequence;
 }
 
 }  // namespace
 
 void replay(const ReplayArguments& arguments) {
-  const Sequence sequence = open_and_tell(arguments);
+  const Sequence sequence = open_with_warnings(arguments);
   const ServicerAttitude servicer = ServicerAttitude::of_sequence(arguments.sequence);
   const Parameters parameters = parameters_for(arguments, sequence);
   const TransportOptions options = load_transport_options(arguments.config, arguments.settings);
@@ -336,7 +336,7 @@ void replay(const ReplayArguments& arguments) {
           .transports = std::move(transports),
           .worker = Worker({.own_thread = !arguments.one_core && has_work_beside(parameters.jobs),
                             .latency_ms_max = arguments.job_latency_ms,
-                            .job_octets = job_worst_case(parameters)}),
+                            .job_bytes = job_worst_case(parameters)}),
           .deadline = DeadlineMonitor(parameters.budget.frame_ms),
           .files = FrameFiles(arguments.out, frames),
           .timings = Timings(frames),
@@ -350,7 +350,7 @@ void replay(const ReplayArguments& arguments) {
   run.record.model = arguments.model.string();
   const RunCost cost = run_sealed(run, arguments);
   const std::string bus_sha256 = run.files.bus.finish();
-  const Clock::time_point finish_start = Clock::now();
+  const Clock::time_point finish_initialisation = Clock::now();
   run.record.camera = finish_files(run, arguments.out);
   write_summary(arguments.out / "summary.json",
                 {.record = run.record,
@@ -358,7 +358,7 @@ void replay(const ReplayArguments& arguments) {
                  .counters = component.counters(),
                  .parameters = parameters,
                  .sequence = sequence,
-                 .remarks = tell_remarks(run.camera),
+                 .remarks = print_remarks(run.camera),
                  .config_hash = config_hash,
                  .bus_sha256 = bus_sha256,
                  .bus_octets = run.files.bus.octets(),
@@ -370,8 +370,8 @@ void replay(const ReplayArguments& arguments) {
                  .after_frames = cost.after_frames,
                  .at_end = machine_use(),
                  .wall_s = cost.wall_s,
-                 .finish_s = seconds_since(finish_start)});
-  tell_result(run, arguments.out);
+                 .finish_s = seconds_since(finish_initialisation)});
+  print_result(run, arguments.out);
   leave_model(arguments, run);
 }
 

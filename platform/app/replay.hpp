@@ -24,7 +24,7 @@ struct ReplayArguments {
   std::filesystem::path commands;    ///< over [commands] file of the configuration; empty: that
   bool memory_trap = false;  ///< for tests: exit code 5 when memory is asked for between the first
                              ///< frame and the last; the files of the end are then not written
-  bool masks = false;        ///< write what was taken for the target
+  bool masks = false;        ///< write the target's masks
   std::vector<std::string> settings;
 };
 

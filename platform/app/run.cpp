@@ -41,24 +41,24 @@ std::unique_ptr<Recorder> make_recorder(const MachineOptions& machine,
                                         const Parameters& parameters,
                                         const OwnStructureFile& own,
                                         std::span<const std::uint8_t> checkpoint) {
-  const RecordingOptions& wish = machine.recording;
-  if (wish.folder.empty()) {
+  const RecordingOptions& request = machine.recording;
+  if (request.folder.empty()) {
     return nullptr;
   }
   constexpr std::uint64_t kMega = 1'000'000;
-  const std::uint64_t folder_octets = kMega * static_cast<std::uint64_t>(wish.disk_mb_max);
+  const std::uint64_t folder_bytes = kMega * static_cast<std::uint64_t>(request.disk_mb_max);
   // Two files at least, so that there is something left when the oldest goes.
-  const std::uint64_t segment_octets =
-      std::min(kMega * static_cast<std::uint64_t>(wish.segment_mb), folder_octets / 4);
+  const std::uint64_t segment_bytes =
+      std::min(kMega * static_cast<std::uint64_t>(request.segment_mb), folder_bytes / 4);
   auto recorder = std::make_unique<Recorder>(
       RecorderOptions{
-          .folder = wish.folder,
+          .folder = request.folder,
           .run_utc_ns = utc_now_ns(),
-          .limits = {.segment_octets_max = segment_octets, .folder_octets_max = folder_octets},
-          .slots = static_cast<std::size_t>(wish.slots),
-          .complete = wish.complete},
+          .limits = {.segment_bytes_max = segment_bytes, .folder_bytes_max = folder_bytes},
+          .slots = static_cast<std::size_t>(request.slots),
+          .complete = request.complete},
       begin_text(kVersion, own.sha256(), canonical_text(parameters)),
-      recorded_frame_octets(parameters.camera));
+      recorded_frame_bytes(parameters.camera));
   if (!checkpoint.empty()) {
     recorder->checkpoint(checkpoint);
   }
@@ -95,21 +95,22 @@ MachineNeeds needs_of(const MachineOptions& machine,
   return needs;
 }
 
-/// What the machine grants of memory, core and priority; what it does not is said.
-PlatformFacts settle_in(const RunOptions& wish,
+/// Requests locked memory, core and priority from the machine; reports refusals.
+PlatformFacts settle_in(const RunOptions& request,
                         const ServiceManager& manager,
                         std::uint32_t restarts) {
-  const std::string not_locked = wish.lock_memory ? lock_memory() : "run.lock_memory is false";
-  const std::string unbound = wish.core >= 0 ? take_core(wish.core) : "";
-  const std::string ordinary = wish.priority > 0 ? take_priority(wish.priority) : "none is wished";
-  if (wish.lock_memory && !not_locked.empty()) {
-    say("%s", not_locked.c_str());
+  const std::string not_locked = request.lock_memory ? lock_memory() : "run.lock_memory is false";
+  const std::string unbound = request.core >= 0 ? take_core(request.core) : "";
+  const std::string ordinary =
+      request.priority > 0 ? take_priority(request.priority) : "none is wished";
+  if (request.lock_memory && !not_locked.empty()) {
+    report_line("%s", not_locked.c_str());
   }
   if (!unbound.empty()) {
-    say("%s", unbound.c_str());
+    report_line("%s", unbound.c_str());
   }
-  if (wish.priority > 0 && !ordinary.empty()) {
-    say("%s", ordinary.c_str());
+  if (request.priority > 0 && !ordinary.empty()) {
+    report_line("%s", ordinary.c_str());
   }
   return {.watchdog = manager.watchdog_ns() > 0,
           .locked_memory = not_locked.empty(),
@@ -117,23 +118,23 @@ PlatformFacts settle_in(const RunOptions& wish,
           .restarts = static_cast<std::uint16_t>(restarts)};
 }
 
-WorkerOptions worker_options(const Parameters& parameters, const RunOptions& wish) {
+WorkerOptions worker_options(const Parameters& parameters, const RunOptions& request) {
   return {.own_thread = has_work_beside(parameters.jobs),
-          .priority = std::max(0, wish.priority - 1),
-          .job_octets = job_worst_case(parameters)};
+          .priority = std::max(0, request.priority - 1),
+          .job_bytes = job_worst_case(parameters)};
 }
 
-/// From the first frame to the last nothing is asked of the machine. What ends it by an exception
-/// is a crash to the next start.
-LiveEnd run_sealed(LiveParts& parts, const RunOptions& wish, bool memory_trap) {
+/// From the first frame to the last no memory and no thread is requested. An exception in it counts
+/// as a crash for the next start.
+LiveEnd run_sealed(LiveParts& parts, const RunOptions& request, bool memory_trap) {
   seal_memory();
   const FramesTrapped trapped(memory_trap);
   LiveEnd end = LiveEnd::kStopped;
   try {
     end = run_live(parts,
-                   {.checkpoint_frames = wish.checkpoint_frames,
-                    .start_s_max = wish.start_s_max,
-                    .frames_max = wish.frames_max});
+                   {.checkpoint_frames = request.checkpoint_frames,
+                    .start_s_max = request.start_s_max,
+                    .frames_max = request.frames_max});
   } catch (...) {
     leave_crash_mark();
     throw;
@@ -156,24 +157,24 @@ void leave_behind(const RunJsonInput& input, const fs::path& folder) {
 }
 
 /// @throws RunFailure when there was no camera.
-void say_end(LiveEnd end,
-             const LiveCounts& counts,
-             const LiveCamera& from,
-             const RunOptions& wish) {
+void report_end(LiveEnd end,
+                const LiveCounts& counts,
+                const LiveCamera& from,
+                const RunOptions& request) {
   if (end == LiveEnd::kNoCamera) {
-    throw RunFailure(fmt::format("no camera within {} s: {}", wish.start_s_max, from.state()));
+    throw RunFailure(fmt::format("no camera within {} s: {}", request.start_s_max, from.state()));
   }
   const CameraCounters& camera = from.counters();
-  say("%s: %u frames, %u with a pose; %u missing, %u damaged, %u passed over",
-      end == LiveEnd::kPlayed ? "at the end" : "stopped",
-      counts.frames_accepted,
-      counts.frames_with_pose,
-      camera.frames_missing,
-      camera.frames_damaged,
-      frames_passed_over(camera, counts));
+  report_line("%s: %u frames, %u with a pose; %u missing, %u damaged, %u passed over",
+              end == LiveEnd::kPlayed ? "at the end" : "stopped",
+              counts.frames_accepted,
+              counts.frames_with_pose,
+              camera.frames_missing,
+              camera.frames_damaged,
+              frames_passed_over(camera, counts));
 }
 
-/// Where checkpoints are asked for: one now and then, and a last one when the run ends by a fault
+/// Where checkpoints are requested: one now and then, and a last one when the run ends by a fault
 /// of its own.
 void open_checkpoint(const RunOptions& options,
                      const Beginning& beginning,
@@ -187,14 +188,15 @@ void open_checkpoint(const RunOptions& options,
   }
 }
 
-/// Who may give commands, where that is not plain.
-void tell_commands(const CommandPorts& ports) {
+/// Reports who may give commands, where the configuration leaves it open.
+void report_commands(const CommandPorts& ports) {
   if (ports.open_to_all()) {
-    say("commands are unauthenticated: all who reach the port may give them "
+    report_line(
+        "commands are unauthenticated: all who reach the port may give them "
         "(commands.unauthenticated = true)");
   }
   if (!ports.guard().remark().empty()) {
-    say("commands.window: %s", ports.guard().remark().c_str());
+    report_line("commands.window: %s", ports.guard().remark().c_str());
   }
 }
 
@@ -220,16 +222,16 @@ void run_command(const RunArguments& arguments) {
                                arguments.config.string(),
                                needs_of(machine, transport, parameters.camera, chosen));
   const OwnStructureFile own(transport.own_structure_file, parameters.camera);
-  say("warmed up: %d poses of a made-up body", warm_up(memory, parameters));
+  report_line("warmed up: %d poses of a made-up body", warm_up(memory, parameters));
   Component& component = make_component(memory, parameters, own, arguments);
   const std::string config_hash = sha256_of(canonical_text(parameters));
   Beginning beginning(machine, config_hash, key);
   beginning.restore(component);
-  say("start %s", beginning.how().c_str());
+  report_line("start %s", beginning.how().c_str());
   std::optional<PacketLog> packets;
   open_packet_log(machine.run.folder, &packets);
-  const auto recorder = make_recorder(machine, parameters, own, beginning.octets());
-  beginning.forget_octets();
+  const auto recorder = make_recorder(machine, parameters, own, beginning.bytes());
+  beginning.release_bytes();
   std::optional<CheckpointWriter> checkpoint;
   std::optional<CheckpointOnFailure> last_words;
   open_checkpoint(machine.run, beginning, component, &checkpoint, &last_words);
@@ -240,7 +242,7 @@ void run_command(const RunArguments& arguments) {
                             .gain_factor_max = machine.device.gain_factor_max});
   Worker worker(worker_options(parameters, machine.run));
   Transports transports(transport.transport, utc_now_ns());
-  tell_commands(transports.commands());
+  report_commands(transports.commands());
   LiveCamera& camera = chosen.start(parameters.camera);
   // After all that takes memory.
   PlatformTelemetry telemetry(parameters.bus,
@@ -263,7 +265,7 @@ void run_command(const RunArguments& arguments) {
   manager.stopping();
   leave_behind({.parts = parts, .config_hash = config_hash, .beginning = beginning.how()},
                machine.run.folder);
-  say_end(end, *counts, camera, machine.run);
+  report_end(end, *counts, camera, machine.run);
 }
 
 }  // namespace polhode::platform

@@ -1,4 +1,4 @@
-// polhode run: the live program, from a camera to the bus, until it is asked to stop.
+// polhode run: the live program, from a camera to the bus, until a request to stop.
 #pragma once
 
 #include <filesystem>

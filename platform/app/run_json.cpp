@@ -44,7 +44,7 @@ Json recording(Recorder* recorder) {
   return {{"frames", c.frames},
           {"missed", c.missed},
           {"write_failures", c.write_failures},
-          {"octets", c.octets}};
+          {"octets", c.bytes}};
 }
 
 Json checkpoints(CheckpointWriter* writer) {
@@ -53,7 +53,7 @@ Json checkpoints(CheckpointWriter* writer) {
   }
   const CheckpointCounters c = writer->counters();
   return {
-      {"written", c.written}, {"failed", c.failed}, {"skipped", c.skipped}, {"octets", c.octets}};
+      {"written", c.written}, {"failed", c.failed}, {"skipped", c.skipped}, {"octets", c.bytes}};
 }
 
 Json transports(const Transports& all) {
@@ -109,7 +109,7 @@ void write_run_json(const std::filesystem::path& file, const RunJsonInput& input
       {"transport", transports(input.parts.transports)},
       {"recording", recording(input.parts.recorder)},
       {"checkpoints", checkpoints(input.parts.checkpoint)},
-      {"peak_resident_octets", use.peak_resident_octets},
+      {"peak_resident_octets", use.peak_resident_bytes},
       {"cpu_s", use.cpu_s}};
   write_file(file, run.dump(2) + "\n");
 }

@@ -1,4 +1,4 @@
-// run.json: what a live run did, counted and measured.
+// run.json: counters and measurements of a live run.
 #pragma once
 
 #include <filesystem>

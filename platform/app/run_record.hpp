@@ -1,4 +1,4 @@
-// What a replay remembers of its frames for the summary.
+// Record of a replay's frames for the summary.
 #pragma once
 
 #include <cstddef>

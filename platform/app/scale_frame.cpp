@@ -9,8 +9,8 @@
 
 #include "errors.hpp"
 #include "pipeline/parameter_table.hpp"
+#include "print_stderr.hpp"
 #include "shape/scale_state.hpp"
-#include "tell.hpp"
 
 namespace polhode::platform {
 
@@ -36,7 +36,7 @@ void check_scale_frame(const Configuration& configuration, const Sequence& seque
   if (!dropped) {
     throw UnusableInput(problem);
   }
-  tell("polhode: {}: lengths stay in map units\n", problem);
+  print_stderr("polhode: {}: lengths stay in map units\n", problem);
 }
 
 }  // namespace polhode::platform

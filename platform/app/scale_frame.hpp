@@ -8,7 +8,7 @@ namespace polhode::platform {
 
 /// A reading is taken in the frame of exactly its time, a range as well as a length: of another
 /// time it would be passed over in silence, and lengths would stay in map units. One within the
-/// sequence's times may be of a frame that was dropped: that is told on stderr, and the run goes on
+/// sequence's times may be of a frame that was dropped: that is reported on stderr; the run goes on
 /// without it.
 /// @throws UnusableInput where it lies outside, naming where the time was given, it, and those of
 /// the first and the last frame.

@@ -1,5 +1,5 @@
-// polhode sequence: what is read of a sequence's tables, for programs that judge or show a replay.
-// So there is one reader of them, and what replays is what others see.
+// polhode sequence: a sequence's tables as JSON, for programs that evaluate or show a replay. So
+// there is one reader of them for all programs.
 #pragma once
 
 #include <filesystem>
@@ -13,7 +13,7 @@ struct SequenceArguments {
 
 /// Prints data.csv and sensor.yaml as one JSON object. Its texts are
 /// those of json_text().
-/// @throws UnusableInput as open_sequence() does for the tables; pictures are not looked at.
+/// @throws UnusableInput as open_sequence() does for the tables; images are not looked at.
 void print_sequence(const SequenceArguments& arguments);
 
 }  // namespace polhode::platform

@@ -27,7 +27,7 @@ ServicerAttitude ServicerAttitude::of_sequence(const std::filesystem::path& sequ
   if (is_absent(file)) {
     return attitude;
   }
-  const std::string table = read_text(file, kTableOctetsMax);
+  const std::string table = read_text(file, kTableBytesMax);
   TextLines lines(table);
   for (std::string_view content; lines.next(&content);) {
     if (content.empty() || content.front() == '#') {

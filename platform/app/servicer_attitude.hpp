@@ -1,4 +1,4 @@
-// The servicer's own attitude over a sequence, from a file beside its pictures.
+// The servicer's own attitude over a sequence, from a file beside its images.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -24,7 +24,7 @@ class ServicerAttitude {
     return q_IC(timestamp_ns).toRotationMatrix();
   }
   /// For the step: w, x, y, z; nothing without rows.
-  [[nodiscard]] std::optional<std::array<double, 4>> told(std::int64_t timestamp_ns) const {
+  [[nodiscard]] std::optional<std::array<double, 4>> attitude_at(std::int64_t timestamp_ns) const {
     if (rows_.empty()) {
       return std::nullopt;
     }

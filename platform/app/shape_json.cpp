@@ -99,7 +99,7 @@ Json scale_json(const ScaleState& scale) {
   return out;
 }
 
-/// Sentences on what the run could not tell.
+/// Sentences on results that the run could not determine.
 Json unknowns(const ShapeReport& report) {
   Json out = Json::array();
   const auto reading_missing = [&report](double given, ScaleSource source) {

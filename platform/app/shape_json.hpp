@@ -1,4 +1,4 @@
-// shape.json: what the target looks like, in numbers.
+// shape.json: the target's shape, in numbers.
 #pragma once
 
 #include <filesystem>
@@ -15,10 +15,10 @@ namespace polhode::platform {
 /// along the body's. Lengths of the shape are in map units until the scale is known; they, and the
 /// file, are in metres then.
 struct ShapeReport {
-  const Shape* shape = nullptr;  ///< null: there is none, and `reason` says why
+  const Shape* shape = nullptr;  ///< null: there is none, for `reason`
   std::string reason;
   const Hull* surface = nullptr;  ///< null: the points enclose nothing
-  ScaleOptions scale_options{};   ///< what was given
+  ScaleOptions scale_options{};   ///< as configured
   ScaleState scale{};
 };
 

@@ -40,14 +40,14 @@ bool goes_through_poses(const RigidModel& model) {
 
 /// The run's model on its way through the frames.
 struct ModelOfRun {
-  RigidModel model;  ///< its reference is the last time asked
+  RigidModel model;  ///< its reference is the last requested time
   bool with_poses = false;
   std::int64_t from_ns = 0;
   std::int64_t to_ns = 0;
 };
 
-/// When a map before this one, in another frame T, gave its last pose: nothing tells that the
-/// motion of now leads back over the break between them.
+/// Time of the last pose by an earlier map, in another frame T: the present motion may not be
+/// extrapolated back over the break between the maps.
 std::int64_t end_of_map_before(std::span<const MotionState> published,
                                std::uint32_t target_frame,
                                std::int64_t first_pose_ns) {
@@ -84,7 +84,7 @@ PoseSample in_body(const AbsolutePose& absolute,
           .covariance = by_T * scaled(absolute.covariance, unit) * by_T.transpose()};
 }
 
-/// What is known of the motion at one frame, in I.
+/// The motion at one frame, in I.
 struct AtFrame {
   std::optional<PoseSample> pose;  ///< with the error that poses of one side share
   std::optional<RateEstimate> rates;
@@ -117,7 +117,7 @@ AtFrame by_model(std::int64_t timestamp_ns, ModelOfRun* run) {
   return by_model;
 }
 
-/// Those of the samples that are on the same side of a disturbance as one of them.
+/// The samples before a disturbance, or those after it.
 struct Side {
   std::span<const PoseSample> samples;
   std::size_t index = 0;
@@ -149,7 +149,7 @@ AtFrame by_measurement(const Side& side,
   }
   Result<RateEstimate> local = estimate_rates_at(side.samples, side.index, options);
   if (local) {
-    widen_by_drift(drift, 0.0, local.value());  // the map at rest has seen the whole turn
+    widen_by_drift(drift, 0.0, local.value());  // the converged map has seen the whole turn
     at.rates = local.value();
   }
   return at;
@@ -200,7 +200,7 @@ void write_motion(const AtFrame& at,
 
 }  // namespace
 
-bool is_borne_out(std::span<const MotionState> published) {
+bool is_confirmed(std::span<const MotionState> published) {
   if (published.empty() || published.back().mode != Mode::kLost) {
     return true;
   }
@@ -229,9 +229,9 @@ std::vector<PoseSample> samples_in_body(const std::vector<SmoothedPose>& poses,
   return samples;
 }
 
-PoseCovariance drift_at_rest(const GroundView& view) {
+PoseCovariance converged_drift(const GroundView& view) {
   MapDrift held = view.drift;
-  hold_at_both_ends(&held);
+  fix_both_ends(&held);
   return scaled(covariance(held), view.scale.metres_per_mu);
 }
 
@@ -253,7 +253,7 @@ RigidModel model_of(std::span<const PoseSample> samples,
   for (std::size_t i = (samples.size() - 1) % every; i < samples.size(); i += every) {
     (void)snapshot->poses.push_back(samples[i]);
   }
-  snapshot->drift = drift_at_rest(view);
+  snapshot->drift = converged_drift(view);
   snapshot->body_radius = body_radius > 0.0 ? body_radius : 1.0;
   snapshot->options = view.parameters.motion;
   return fit_rigid_model(*snapshot, *workspace);
@@ -290,7 +290,7 @@ std::vector<MotionState> smoothed_motion(const RunPoses& run_poses,
   std::array<double, 4> q_last{1.0, 0.0, 0.0, 0.0};
   std::size_t next = 0;
   ModelOfRun run = of_run(model, published, view);
-  const PoseCovariance drift = drift_at_rest(view);
+  const PoseCovariance drift = converged_drift(view);
   for (std::size_t i = 0; i < poses.size(); ++i) {
     MotionState m = row_of(published[i], poses[i], view);
     AtFrame at = by_model(m.timestamp_ns, &run);

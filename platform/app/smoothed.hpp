@@ -22,9 +22,9 @@ struct BodyFrame {
   Eigen::Vector3d centroid_T = Eigen::Vector3d::Zero();
 };
 
-/// Whether the last map was followed as far as bears it out: one that was lost after fewer poses
-/// than check a motion did not hold the body, and poses from it would be as wrong.
-[[nodiscard]] bool is_borne_out(std::span<const MotionState> published);
+/// Whether the last map was tracked long enough to be confirmed: one that was lost after fewer
+/// poses than check a motion is wrong, and so are poses from it.
+[[nodiscard]] bool is_confirmed(std::span<const MotionState> published);
 
 /// The valid poses, of B seen from the servicer in axes that do not turn, with lengths in the
 /// published unit.
@@ -34,8 +34,8 @@ std::vector<PoseSample> samples_in_body(const std::vector<SmoothedPose>& poses,
                                         double metres_per_mu,
                                         const ServicerAttitude& servicer);
 
-/// The map's drift as the poses at rest still carry it, in the published unit.
-PoseCovariance drift_at_rest(const GroundView& view);
+/// The drift that poses of the converged map still have, in the published unit.
+PoseCovariance converged_drift(const GroundView& view);
 
 /// Rigid-body dynamics through all samples (every so-many-th where there are more than a fit
 /// takes).

@@ -89,24 +89,24 @@ Json memory(const SummaryInput& input) {
   Json pools = Json::object();
   for (std::size_t i = 0; i < kPoolCount; ++i) {
     const HeapUse& use = input.pools[i];
-    pools[pool_name(static_cast<Pool>(i))] = {{"octets", use.total_octets},
-                                              {"peak_octets", use.peak_octets},
-                                              {"at_end_octets", use.used_octets},
+    pools[pool_name(static_cast<Pool>(i))] = {{"octets", use.total_bytes},
+                                              {"peak_octets", use.peak_bytes},
+                                              {"at_end_octets", use.used_bytes},
                                               {"live_blocks", use.live_blocks}};
   }
-  return {{"budget_octets", input.plan.limit_octets},
-          {"planned_octets", input.plan.total_octets},
+  return {{"budget_octets", input.plan.limit_bytes},
+          {"planned_octets", input.plan.total_bytes},
           {"fixed", memory_is_fixed()},
-          {"peak_resident_octets", input.at_end.peak_resident_octets},
+          {"peak_resident_octets", input.at_end.peak_resident_bytes},
           {"pools", pools},
           {"components",
-           {{"component_tables_octets", input.plan.tables_octets},
-            {"grown_beyond_pools_octets", grown_octets()},
-            {"peak_resident_before_first_frame_octets", input.at_start.peak_resident_octets},
-            {"peak_resident_after_last_frame_octets", input.after_frames.peak_resident_octets}}}};
+           {{"component_tables_octets", input.plan.tables_bytes},
+            {"grown_beyond_pools_octets", grown_bytes()},
+            {"peak_resident_before_first_frame_octets", input.at_start.peak_resident_bytes},
+            {"peak_resident_after_last_frame_octets", input.after_frames.peak_resident_bytes}}}};
 }
 
-/// Before the start, and what came out at the end.
+/// Memory before the first frame, and at the end.
 Json warnings(const SummaryInput& input) {
   Json out = input.sequence.warnings;
   for (const std::string& remark : input.remarks) {
@@ -119,12 +119,12 @@ Json warnings(const SummaryInput& input) {
   return out;
 }
 
-/// What else the packets depend on.
+/// Further inputs that determine the packets.
 Json own_structure(const OwnStructureFile& own) {
   return own.present() ? Json{{"sha256", own.sha256()}, {"part_of_picture", own.part()}} : Json();
 }
 
-/// Each with what fits beside those that are contradicted; null where there was no test.
+/// Each deviation as fitted beside the contradicted ones; null where there was no test.
 Json deviations(const CameraReport& report) {
   constexpr std::array<const char*, kDeviations> kNames = {"log_focal_length",
                                                            "log_zoom",
@@ -156,7 +156,7 @@ Json cost(const SummaryInput& input) {
           {"finish_cpu_s", input.at_end.cpu_s - input.after_frames.cpu_s}};
 }
 
-/// As given, and as the map at rest has it; only the first where the map does not tell it.
+/// As given, and by the converged map; only the first where the map does not determine it.
 Json focal_length(const CameraReport& report, const CameraParameters& camera) {
   const double given_px = std::sqrt(camera.fu_px * camera.fv_px);
   Json out{{"given_px", given_px}, {"found_px", Json()}, {"sigma_px", Json()}};
@@ -210,8 +210,8 @@ std::string result_sentence(const RunRecord& record,
                         record.last.scale_known ? "m" : "map units");
   }
   text += ".";
-  for (const std::string& doubt : camera_sentences(record.camera.found, to_model(camera))) {
-    text += " " + doubt;
+  for (const std::string& warning : camera_sentences(record.camera.found, to_model(camera))) {
+    text += " " + warning;
   }
   return text;
 }
@@ -254,7 +254,7 @@ void write_summary(const std::filesystem::path& file, const SummaryInput& input)
         {"worst_us", input.deadline.worst_us()}}},
       {"bus", {{"octets", input.bus_octets}, {"sha256", input.bus_sha256}}},
       {"bus_sha256", input.bus_sha256}};
-  // Texts may cite any octets; what is not UTF-8 is replaced rather than refused. The path alone is
+  // Texts may cite any bytes; what is not UTF-8 is replaced rather than refused. The path alone is
   // to be found again by it.
   std::string text = summary.dump(2, ' ', false, Json::error_handler_t::replace);
   const std::string place = fmt::format("\"sequence\": \"{}\"", kPathHere);

@@ -1,4 +1,4 @@
-// summary.json: what a run was, what it did, what it cost.
+// summary.json: description, results and cost of a run.
 #pragma once
 
 #include <filesystem>
@@ -22,7 +22,7 @@ struct SummaryInput {
   const Counters& counters;
   const Parameters& parameters;
   const Sequence& sequence;
-  std::vector<std::string> remarks;  ///< what else people should know
+  std::vector<std::string> remarks;  ///< further remarks for the reader
   std::string config_hash;
   std::string bus_sha256;
   std::uint64_t bus_octets = 0;
@@ -37,8 +37,8 @@ struct SummaryInput {
   double finish_s = 0.0;  ///< of the re-estimation at the end
 };
 
-/// One plain sentence: was the target acquired, on how many frames is there a pose, how does it
-/// turn; and what the map contradicts of the stated camera.
+/// One plain sentence: was the target acquired, on how many frames is there a pose, its rotation;
+/// and the contradicted values of the stated camera.
 std::string result_sentence(const RunRecord& record,
                             const Counters& counters,
                             const CameraParameters& camera);

@@ -15,8 +15,8 @@ std::string tum_line(const MotionState& motion);
 /// One line a frame with a pose.
 void write_trajectory(const std::filesystem::path& file, std::span<const MotionState> motion);
 
-/// One line a frame whose pose is in the target frame and the unit of length of the last pose: what
-/// one alignment can be fitted to.
+/// One line for each frame whose pose is in the last pose's target frame and unit of length, so
+/// that one alignment can be fitted.
 void write_last_trajectory(const std::filesystem::path& file, std::span<const MotionState> motion);
 
 }  // namespace polhode::platform

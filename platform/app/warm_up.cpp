@@ -16,11 +16,11 @@ namespace polhode::platform {
 namespace {
 
 // A map is begun with the first hypothesis selection or soon after, and flow, matching and
-// adjustments follow it; not with every camera: under very wide lenses and in small pictures none
+// adjustments follow it; not with every camera: under very wide lenses and in small images none
 // is, and the first map of the run itself takes longer.
 constexpr int kFramesAfterSelection = 3;
 constexpr double kTurn_rad = 0.05;
-constexpr double kPart = 0.35;  ///< of the picture's lesser side, the ball's radius
+constexpr double kPart = 0.35;  ///< of the image's lesser side, the ball's radius
 constexpr std::int64_t kInterval_ns = 100'000'000;
 
 /// A ball of radius 1 with round patches of all sizes, straight ahead. As the camera sees it: under
@@ -31,8 +31,8 @@ class PatchedBall {
       : camera_(camera),
         distance_(
             std::hypot(camera.fu_px / (kPart * std::min(camera.width_px, camera.height_px)), 1.0)),
-        picture_(static_cast<std::size_t>(camera.width_px) *
-                 static_cast<std::size_t>(camera.height_px)) {
+        image_(static_cast<std::size_t>(camera.width_px) *
+               static_cast<std::size_t>(camera.height_px)) {
     Rng rng(1, 6201);
     for (Patch& patch : patches_) {
       patch.middle = Eigen::Vector3d(rng.normal(), rng.normal(), rng.normal()).normalized();
@@ -55,13 +55,13 @@ class PatchedBall {
         const double within = along * along - distance_ * distance_ + 1.0;
         const Eigen::Vector3d normal_C =
             (along - std::sqrt(std::max(within, 0.0))) * ray_C - Eigen::Vector3d(0, 0, distance_);
-        picture_[i++] = within > 0.0 ? level_at(R_TC * normal_C) : 0;
+        image_[i++] = within > 0.0 ? level_at(R_TC * normal_C) : 0;
       }
     }
-    return {.data = picture_.data(),
+    return {.data = image_.data(),
             .width_px = camera_.width_px,
             .height_px = camera_.height_px,
-            .stride_octets = camera_.width_px};
+            .stride_bytes = camera_.width_px};
   }
 
  private:
@@ -82,7 +82,7 @@ class PatchedBall {
   CameraParameters camera_;
   double distance_;
   std::array<Patch, 150> patches_;
-  std::vector<std::uint8_t> picture_;
+  std::vector<std::uint8_t> image_;
 };
 
 }  // namespace

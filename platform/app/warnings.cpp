@@ -2,25 +2,25 @@
 
 #include <fmt/format.h>
 
-#include "camera/lens_doubts.hpp"
+#include "camera/lens_warnings.hpp"
 #include "errors.hpp"
-#include "tell.hpp"
+#include "print_stderr.hpp"
 
 namespace polhode::platform {
 
-void tell_warnings(std::span<const std::string> warnings) {
+void print_warnings(std::span<const std::string> warnings) {
   for (const std::string& warning : warnings) {
-    tell("polhode: warning: {}\n", legible(warning));
+    print_stderr("polhode: warning: {}\n", legible(warning));
   }
 }
 
-void judge_configured_camera(const std::filesystem::path& config, const CameraParameters& camera) {
+void check_configured_camera(const std::filesystem::path& config, const CameraParameters& camera) {
   const std::string disorder = wrong_order(camera);
   if (!disorder.empty()) {
     throw UnusableInput(fmt::format("{}: [camera] {}", config.string(), disorder));
   }
-  for (const std::string& doubt : doubts_about_lens(camera)) {
-    tell("polhode: warning: {}: [camera] {}\n", legible(config.string()), doubt);
+  for (const std::string& warning : lens_warnings(camera)) {
+    print_stderr("polhode: warning: {}: [camera] {}\n", legible(config.string()), warning);
   }
 }
 

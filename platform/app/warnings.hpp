@@ -1,4 +1,4 @@
-// What is likely to be wrong, said before anything starts.
+// Warnings about likely mistakes in the inputs, printed before anything starts.
 #pragma once
 
 #include <filesystem>
@@ -10,10 +10,10 @@
 namespace polhode::platform {
 
 /// A line each on standard error.
-void tell_warnings(std::span<const std::string> warnings);
+void print_warnings(std::span<const std::string> warnings);
 
-/// The section [camera] of a configuration: what is doubtful is told.
+/// Prints warnings about the section [camera] of a configuration.
 /// @throws UnusableInput naming the file where its numbers stand in another order.
-void judge_configured_camera(const std::filesystem::path& config, const CameraParameters& camera);
+void check_configured_camera(const std::filesystem::path& config, const CameraParameters& camera);
 
 }  // namespace polhode::platform

@@ -12,7 +12,7 @@ namespace {
 /// cameras fill up their buffers. More of changing values are data that was not understood.
 bool are_stray(const jpeg_decompress_struct& decoder, const JOCTET* file) {
   constexpr long kFew = 16;
-  constexpr long kMarker = 2;  // octets of it, already read
+  constexpr long kMarker = 2;  // bytes of it, already read
   const long count = decoder.err->msg_parm.i[0];
   const JOCTET* end = decoder.src->next_input_byte - kMarker;
   if (count <= kFew) {
@@ -22,17 +22,17 @@ bool are_stray(const jpeg_decompress_struct& decoder, const JOCTET* file) {
     return false;
   }
   const JOCTET* begin = end - count;
-  return std::all_of(begin, end, [begin](JOCTET octet) { return octet == *begin; });
+  return std::all_of(begin, end, [begin](JOCTET byte) { return byte == *begin; });
 }
 
 }  // namespace
 
-bool tells_damage(const jpeg_decompress_struct& decoder, const JOCTET* file) {
+bool indicates_damage(const jpeg_decompress_struct& decoder, const JOCTET* file) {
   switch (decoder.err->msg_code) {
     case JWRN_EXTRANEOUS_DATA:
       return !are_stray(decoder, file);
     case JWRN_JPEG_EOF:
-      // Data that is missing is told by a remark of its own; whole scans are not.
+      // Missing data has a remark of its own; missing scans have none.
       return decoder.progressive_mode != 0 || decoder.comps_in_scan < decoder.num_components;
     case JWRN_JFIF_MAJOR:
     case JWRN_ADOBE_XFORM:

@@ -1,4 +1,4 @@
-// What libjpeg remarks on while it decodes: is the picture damaged, or is all of it there?
+// Classifies libjpeg's warnings while it decodes: is the image damaged, or complete?
 #pragma once
 
 #include <cstdio>  // jpeglib.h needs FILE
@@ -7,10 +7,10 @@
 
 namespace polhode::platform {
 
-/// For emit_message() with a level under 0, of a picture that is read from memory. Harmless are
-/// stray octets before a restart or end marker, an end marker that is missing where all scans are
+/// For emit_message() with a level under 0, of an image that is read from memory. Harmless are
+/// stray bytes before a restart or end marker, an end marker that is missing where all scans are
 /// there, and odd headers. Missing or undecodable data is damage.
-/// @param file  the first octet of the picture
-bool tells_damage(const jpeg_decompress_struct& decoder, const JOCTET* file);
+/// @param file  the first byte of the image
+bool indicates_damage(const jpeg_decompress_struct& decoder, const JOCTET* file);
 
 }  // namespace polhode::platform

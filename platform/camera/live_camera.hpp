@@ -1,4 +1,4 @@
-// What a live run asks of a camera. A frame, or nothing yet; trouble is counted and told, never
+// Interface of a live run's camera. A frame, or nothing yet; trouble is counted and reported, never
 // thrown while the run goes on.
 #pragma once
 
@@ -23,7 +23,7 @@ struct CameraCounters {
   std::uint32_t frames_late = 0;         ///< taken by the camera, passed over for a newer one
   std::uint32_t frames_out_of_time = 0;  ///< time stamp not after the one before: passed over
   std::uint32_t timeouts = 0;            ///< waits that brought no frame
-  std::uint32_t stream_errors = 0;       ///< the stream failed and was opened anew
+  std::uint32_t stream_errors = 0;       ///< the stream failed and was opened again
   std::uint32_t disconnects = 0;         ///< the device went away
   std::uint32_t busy = 0;                ///< attempts that found another program on it
   std::uint32_t attempts = 0;            ///< at opening the device
@@ -51,14 +51,14 @@ class LiveCamera {
   /// Monotonic time at which the frame handed out last was there to be taken.
   [[nodiscard]] virtual std::int64_t available_ns() const = 0;
 
-  /// Does a frame stay until it is asked for? Then none needs to be dropped for unfinished work.
+  /// Does a frame stay until it is requested? Then none is dropped for unfinished work.
   [[nodiscard]] virtual bool frames_wait() const { return false; }
 
   [[nodiscard]] virtual const CameraCounters& counters() const = 0;
-  /// One line: what state the camera is in, and why.
+  /// One line: the camera's state, and the reason.
   [[nodiscard]] virtual std::string_view state() const = 0;
 
-  /// Asks for another exposure and gain; a camera without these controls ignores it.
+  /// Requests another exposure and gain; a camera without these controls ignores it.
   virtual void set_exposure(std::int64_t exposure_ns, double gain) = 0;
   [[nodiscard]] virtual CameraExposure exposure() const { return {}; }
 };

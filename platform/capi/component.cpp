@@ -23,7 +23,7 @@
 namespace {
 
 using polhode::capi::guarded;
-using polhode::capi::tell;
+using polhode::capi::write_problem;
 
 using Handle = ::polhode_component;
 
@@ -43,8 +43,8 @@ void pass_on(const polhode::AssertionReport& report) {
   }
 }
 
-/// Are the rows of the picture whole, and of a depth that there is?
-bool is_picture(const polhode_input& input) {
+/// Are the rows of the image whole, and of a depth that there is?
+bool is_image(const polhode_input& input) {
   const bool depth = input.pixel_bits == 8 || input.pixel_bits == 16;
   return depth && input.width_px > 0 && input.height_px > 0 &&
          input.stride_octets >= std::int64_t{input.width_px} * (input.pixel_bits / 8);
@@ -54,7 +54,7 @@ bool is_whole(const polhode_input& input) {
   const bool commands = input.command_count == 0 ||
                         (input.commands != nullptr && input.command_count <= POLHODE_COMMANDS_MAX);
   const bool jobs = input.finished_count == 0 || input.finished != nullptr;
-  return commands && jobs && (input.pixels == nullptr || is_picture(input));
+  return commands && jobs && (input.pixels == nullptr || is_image(input));
 }
 
 /// The jobs due now are those that were handed in, each once, and all are done. The component
@@ -83,7 +83,7 @@ polhode::Frame frame_of(const polhode_input& input) {
           .image = {.data = input.pixels,
                     .width_px = input.width_px,
                     .height_px = input.height_px,
-                    .stride_octets = static_cast<std::ptrdiff_t>(input.stride_octets),
+                    .stride_bytes = static_cast<std::ptrdiff_t>(input.stride_octets),
                     .format = wide ? polhode::PixelFormat::kGray16 : polhode::PixelFormat::kGray8}};
 }
 
@@ -218,28 +218,28 @@ size_t polhode_memory_needed(const polhode_parameters* parameters) {
 }
 
 polhode_status polhode_create(void* memory,
-                              size_t octets,
+                              size_t bytes,
                               const polhode_parameters* parameters,
                               polhode_component** out,
                               char* problem,
                               size_t problem_octets) {
   return guarded([&] {
     if (memory == nullptr || parameters == nullptr || out == nullptr) {
-      tell("memory, parameters or out: null", problem, problem_octets);
+      write_problem("memory, parameters or out: null", problem, problem_octets);
       return polhode_status{POLHODE_BAD_ARGUMENT};
     }
     const bool aligned = reinterpret_cast<std::uintptr_t>(memory) % kAlignment == 0;
-    if (octets < kHandleOctets || !aligned) {
-      tell("memory: too small, or not aligned to 64", problem, problem_octets);
+    if (bytes < kHandleOctets || !aligned) {
+      write_problem("memory: too small, or not aligned to 64", problem, problem_octets);
       return polhode_status{POLHODE_MEMORY_TOO_SMALL};
     }
     polhode::platform::pin_libraries();
     polhode::set_assertion_hook(&pass_on);
     auto* begin = static_cast<std::byte*>(memory);
-    auto made = polhode::Component::create({begin + kHandleOctets, octets - kHandleOctets},
+    auto made = polhode::Component::create({begin + kHandleOctets, bytes - kHandleOctets},
                                            parameters->values);
     if (!made) {
-      tell(made.error().message, problem, problem_octets);
+      write_problem(made.error().message, problem, problem_octets);
       const bool small = made.error().code == polhode::ErrorCode::kMemoryTooSmall;
       return polhode_status{small ? POLHODE_MEMORY_TOO_SMALL : POLHODE_BAD_PARAMETER};
     }
@@ -280,7 +280,7 @@ polhode_status polhode_predict_point(const polhode_component* component,
                                      char* problem,
                                      size_t problem_octets) {
   if (component == nullptr || question == nullptr || out == nullptr) {
-    tell("component, question or out: null", problem, problem_octets);
+    write_problem("component, question or out: null", problem, problem_octets);
     return POLHODE_BAD_ARGUMENT;
   }
   if (component->failed) {
@@ -291,7 +291,7 @@ polhode_status polhode_predict_point(const polhode_component* component,
     const std::string_view why =
         component->component->predict_point(question_of(*question), &answer);
     if (!why.empty()) {
-      tell(why, problem, problem_octets);
+      write_problem(why, problem, problem_octets);
       return polhode_status{POLHODE_NOT_KNOWN};
     }
     copy_point(answer, out);
@@ -345,7 +345,7 @@ size_t polhode_checkpoint_octets_max(void) { return polhode::checkpoint_octets_m
 
 polhode_status polhode_save_checkpoint(const polhode_component* component,
                                        uint8_t* out,
-                                       size_t octets,
+                                       size_t bytes,
                                        size_t* written) {
   if (component == nullptr || out == nullptr || written == nullptr) {
     return POLHODE_BAD_ARGUMENT;
@@ -353,23 +353,23 @@ polhode_status polhode_save_checkpoint(const polhode_component* component,
   if (component->failed) {
     return POLHODE_FAILED;
   }
-  if (octets < polhode::checkpoint_octets_max()) {
+  if (bytes < polhode::checkpoint_octets_max()) {
     return POLHODE_MEMORY_TOO_SMALL;
   }
   return guarded([&] {
-    *written = polhode::save_checkpoint(*component->component, std::span(out, octets));
+    *written = polhode::save_checkpoint(*component->component, std::span(out, bytes));
     return polhode_status{POLHODE_OK};
   });
 }
 
 polhode_status polhode_restore_checkpoint(polhode_component* component,
-                                          const uint8_t* octets,
+                                          const uint8_t* bytes,
                                           size_t length) {
-  if (component == nullptr || octets == nullptr || component->component->next_step() != 0) {
+  if (component == nullptr || bytes == nullptr || component->component->next_step() != 0) {
     return POLHODE_BAD_ARGUMENT;
   }
   return guarded([&] {
-    const bool taken = polhode::restore_checkpoint(std::span(octets, length), component->component);
+    const bool taken = polhode::restore_checkpoint(std::span(bytes, length), component->component);
     return polhode_status{taken ? POLHODE_OK : POLHODE_BAD_CHECKPOINT};
   });
 }

@@ -7,7 +7,7 @@
 #include "model_octets.hpp"
 
 using polhode::capi::guarded;
-using polhode::capi::tell;
+using polhode::capi::write_problem;
 
 size_t polhode_model_octets_max(void) { return polhode::platform::model_octets_max(); }
 
@@ -36,14 +36,14 @@ polhode_status polhode_load_model(polhode_component* component,
                                   char* problem,
                                   size_t problem_octets) {
   if (component == nullptr || octets == nullptr || component->component->next_step() != 0) {
-    tell("component or octets: null, or it has stepped", problem, problem_octets);
+    write_problem("component or octets: null, or it has stepped", problem, problem_octets);
     return POLHODE_BAD_ARGUMENT;
   }
   return guarded([&] {
     polhode::TargetModelFacts facts;
     const std::string refusal = polhode::platform::load_model_octets(
         std::span(octets, length), component->component, &facts);
-    tell(refusal, problem, problem_octets);
+    write_problem(refusal, problem, problem_octets);
     return polhode_status{refusal.empty() ? POLHODE_OK : POLHODE_BAD_MODEL};
   });
 }

@@ -19,7 +19,7 @@ namespace {
 
 using polhode::ParameterRow;
 using polhode::capi::guarded;
-using polhode::capi::tell;
+using polhode::capi::write_problem;
 
 static_assert(std::is_trivially_destructible_v<polhode_parameters>, "the header promises no end");
 static_assert(alignof(polhode_parameters) <= alignof(std::max_align_t), "as malloc aligns");
@@ -53,23 +53,24 @@ polhode_status set_bits(const Place& place,
   return guarded([&] {
     const auto& [parameters, key, index] = place;
     if (parameters == nullptr || key == nullptr) {
-      tell("parameters or key: null", problem, problem_octets);
+      write_problem("parameters or key: null", problem, problem_octets);
       return polhode_status{POLHODE_BAD_ARGUMENT};
     }
     const ParameterRow* row = polhode::find_parameter(key);
     if (row == nullptr || index >= polhode::value_count(*row)) {
-      tell(std::string(key) + (row == nullptr ? ": no such parameter" : ": index out of range"),
-           problem,
-           problem_octets);
+      write_problem(
+          std::string(key) + (row == nullptr ? ": no such parameter" : ": index out of range"),
+          problem,
+          problem_octets);
       return polhode_status{POLHODE_BAD_ARGUMENT};
     }
     bool exact = true;
     const std::uint64_t bits = bits_for(*row, value, &exact);
     if (!exact || !polhode::set_from_bits(*row, index, bits, &parameters->values)) {
-      tell(std::string(key) + " = " + text_of(value) + ": allowed is " +
-               (is_real(*row) ? "" : "a whole number in ") + polhode::range_text(*row),
-           problem,
-           problem_octets);
+      write_problem(std::string(key) + " = " + text_of(value) + ": allowed is " +
+                        (is_real(*row) ? "" : "a whole number in ") + polhode::range_text(*row),
+                    problem,
+                    problem_octets);
       return polhode_status{POLHODE_BAD_PARAMETER};
     }
     return polhode_status{POLHODE_OK};
@@ -96,12 +97,12 @@ std::uint64_t bits_of_whole(const ParameterRow& row, std::int64_t value, bool* e
 
 size_t polhode_parameters_octets(void) { return sizeof(polhode_parameters); }
 
-polhode_status polhode_parameters_create(void* memory, size_t octets, polhode_parameters** out) {
+polhode_status polhode_parameters_create(void* memory, size_t bytes, polhode_parameters** out) {
   if (memory == nullptr || out == nullptr) {
     return POLHODE_BAD_ARGUMENT;
   }
   const bool aligned = reinterpret_cast<std::uintptr_t>(memory) % alignof(polhode_parameters) == 0;
-  if (octets < sizeof(polhode_parameters) || !aligned) {
+  if (bytes < sizeof(polhode_parameters) || !aligned) {
     return POLHODE_MEMORY_TOO_SMALL;
   }
   *out = ::new (memory) polhode_parameters;
@@ -149,12 +150,12 @@ polhode_status polhode_check(const polhode_parameters* parameters,
                              size_t problem_octets) {
   return guarded([&] {
     if (parameters == nullptr) {
-      tell("parameters: null", problem, problem_octets);
+      write_problem("parameters: null", problem, problem_octets);
       return polhode_status{POLHODE_BAD_ARGUMENT};
     }
     const auto found = polhode::check(parameters->values);
     if (found) {
-      tell(found->message, problem, problem_octets);
+      write_problem(found->message, problem, problem_octets);
     }
     return polhode_status{found ? POLHODE_BAD_PARAMETER : POLHODE_OK};
   });

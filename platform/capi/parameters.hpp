@@ -1,4 +1,4 @@
-// What stands behind the C interface's parameters.
+// Implementation of the C interface's parameters.
 #pragma once
 
 #include "capi/polhode.h"

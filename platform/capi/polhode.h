@@ -28,7 +28,7 @@ extern "C" {
 typedef int32_t polhode_status;
 enum {
   POLHODE_OK = 0,
-  POLHODE_BAD_ARGUMENT = 1,     /* a null pointer, an unknown key, a picture that does not fit its rows */
+  POLHODE_BAD_ARGUMENT = 1,     /* a null pointer, an unknown key, an image that does not fit its rows */
   POLHODE_BAD_PARAMETER = 2,    /* out of its range, or against another one; the problem's text says which */
   POLHODE_MEMORY_TOO_SMALL = 3, /* or not aligned */
   POLHODE_BAD_CHECKPOINT = 4,   /* of another build, or cut off; nothing changed */

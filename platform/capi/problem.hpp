@@ -8,14 +8,14 @@
 
 namespace polhode::capi {
 
-inline void tell(std::string_view text, char* problem, std::size_t octets) noexcept {
-  if (problem != nullptr && octets > 0) {
-    const std::size_t length = text.copy(problem, octets - 1);
+inline void write_problem(std::string_view text, char* problem, std::size_t bytes) noexcept {
+  if (problem != nullptr && bytes > 0) {
+    const std::size_t length = text.copy(problem, bytes - 1);
     problem[length] = '\0';
   }
 }
 
-/// What the libraries throw ends here.
+/// Exceptions of the libraries end here.
 template <typename Work>
 polhode_status guarded(Work work) noexcept {
   try {

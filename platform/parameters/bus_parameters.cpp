@@ -18,7 +18,7 @@ constexpr const char* kBusHead =
 
 bool is_real(const ParameterRow& row) { return std::holds_alternative<Member<double>>(row.member); }
 
-/// What a value may be: a range of numbers, or words.
+/// Allowed values: a range of numbers, or words.
 std::string allowed_line(const ParameterRow& row) {
   if (std::holds_alternative<Member<bool>>(row.member)) {
     return "words = [\"false\", \"true\"]";

@@ -23,8 +23,8 @@ std::string toml_text(const toml::node& node) {
   return cited(out.str());
 }
 
-/// Writes a TOML value into a parameter. Each overload returns what would have been allowed, or
-/// nothing when it fits.
+/// Writes a TOML value into a parameter. Each overload returns the allowed values, or nothing when
+/// it fits.
 struct Assign {
   const toml::node& node;
   Parameters& parameters;
@@ -104,7 +104,7 @@ class Loader {
 
   void add_file(const std::filesystem::path& file) {
     try {
-      const toml::table table = toml::parse(read_text(file, kSettingsOctetsMax), file.string());
+      const toml::table table = toml::parse(read_text(file, kSettingsBytesMax), file.string());
       if (table.empty()) {  // a full disk leaves such a file, and nobody means to fly by it
         throw UnusableInput(file.string() + ": is empty: it sets nothing");
       }

@@ -80,7 +80,8 @@ std::string range_text(const Row& row) {
   return row.low == row.high ? std::string() : fmt::format("{} .. {}", row.low, row.high);
 }
 
-/// Writes a TOML value into an option. @return what would have been allowed, or nothing.
+/// Writes a TOML value into an option.
+/// @return the allowed values, or nothing when it fits.
 struct AssignOption {
   const toml::node& node;
   const Row& row;
@@ -190,7 +191,7 @@ MachineOptions load_machine_options(const std::filesystem::path& file,
   MachineOptions options;
   std::string source = file.string();
   try {
-    take_table(toml::parse(read_text(file, kSettingsOctetsMax), source), source, &options);
+    take_table(toml::parse(read_text(file, kSettingsBytesMax), source), source, &options);
     for (const std::string& setting : settings) {
       source = fmt::format("--set {}", setting);
       take_table(toml::parse(setting), source, &options);

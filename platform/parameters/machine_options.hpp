@@ -1,4 +1,4 @@
-// What a live run needs to know of the machine that it runs on: the sections [device], [run] and
+// Options of a live run on its machine: the sections [device], [run] and
 // [recording] of a configuration. The estimator does not see them.
 #pragma once
 
@@ -19,7 +19,7 @@ struct DeviceOptions {
   double rate_hz = 10.0;                ///< asked of the device, 0.01 .. 1000
   int buffers = 4;                      ///< of the device's ring, 2 .. 32
   int backlog_frames_max = 1;           ///< filled frames that may wait behind the oldest; those beyond are passed over, oldest first, 0 .. 32
-  int silence_ms_max = 2000;            ///< a stream that brings nothing for so long is opened anew, 50 .. 600000
+  int silence_ms_max = 2000;            ///< a stream that brings nothing for so long is opened again, 50 .. 600000
   int exposure_us = 0;                  ///< set at start; 0: as the device has it, 0 .. 10000000
   double gain = -1.0;                   ///< fraction of the device's range; -1: as it has it, -1 .. 1
   bool exposure_control = true;         ///< exposure and gain follow the target's brightness, as far as the device has controls for them
@@ -28,7 +28,7 @@ struct DeviceOptions {
   std::string clock = "monotonic";      ///< of time stamps: "monotonic" (since boot), or "utc" (its offset is taken once, at start)
   double sequence_speed = 1.0;          ///< of a played sequence; 0: as fast as it is taken, 0 .. 1000
   int sequence_passes = 1;              ///< forth, back, forth ... , 1 .. 100000
-  std::int64_t sequence_start_ns = 0;   ///< monotonic time of its first frame, so that a run started anew finds it in the middle; 0: at start, 0 .. 4000000000000000000
+  std::int64_t sequence_start_ns = 0;   ///< monotonic time of its first frame, so that a run started again finds it in the middle; 0: at start, 0 .. 4000000000000000000
 };
 
 struct RunOptions {

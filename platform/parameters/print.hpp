@@ -1,4 +1,4 @@
-// The parameters for people: the effective table, and the documented file of defaults.
+// Prints the parameters: the effective table, and the documented file of defaults.
 #pragma once
 
 #include <string>

@@ -22,9 +22,9 @@ Sha256::Sha256() : context_(std::make_unique<Context>()) {
 
 Sha256::~Sha256() { EVP_MD_CTX_free(context_->handle); }
 
-void Sha256::add(std::span<const std::uint8_t> octets) {
-  if (!octets.empty()) {
-    EVP_DigestUpdate(context_->handle, octets.data(), octets.size());
+void Sha256::add(std::span<const std::uint8_t> bytes) {
+  if (!bytes.empty()) {
+    EVP_DigestUpdate(context_->handle, bytes.data(), bytes.size());
   }
 }
 

@@ -16,7 +16,7 @@ class Sha256 {
   Sha256(const Sha256&) = delete;
   Sha256& operator=(const Sha256&) = delete;
 
-  void add(std::span<const std::uint8_t> octets);
+  void add(std::span<const std::uint8_t> bytes);
   /// @return 64 hexadecimal digits; ends the computation.
   std::string finish();
 

@@ -29,7 +29,7 @@ std::string_view nearest_parameter(std::string_view key) {
   std::string_view best;
   std::size_t best_distance = std::max<std::size_t>(3, key.size() / 2);
   for (const ParameterRow& row : parameter_table()) {
-    // Somebody who names the field right but forgets its section is near, too.
+    // The right field without its section is near, too.
     const std::string_view field = row.key.substr(row.key.find('.') + 1);
     const std::string_view given = key.substr(key.rfind('.') + 1);
     const std::size_t distance =

@@ -15,7 +15,7 @@ namespace {
 constexpr const char* kText = "a text";
 constexpr std::string_view kOwnStructureKey = "mask.file";
 
-/// Where a value stands and what it is called, for messages.
+/// Place and name of a value, for messages.
 struct Place {
   std::string source;
   std::string key;
@@ -117,7 +117,7 @@ TransportOptions load_transport_options(const std::filesystem::path& file,
   TransportOptions options;
   std::string source = file.string();
   try {
-    take_table(toml::parse(read_text(file, kSettingsOctetsMax), source), source, options);
+    take_table(toml::parse(read_text(file, kSettingsBytesMax), source), source, options);
     for (const std::string& setting : settings) {
       source = fmt::format("--set {}", setting);
       take_table(toml::parse(setting), source, options);

@@ -1,4 +1,4 @@
-// What a configuration says of where packets go and commands come from, and what in the view is the
+// Options of a configuration on the destinations of packets and sources of commands, and on the
 // servicer's own. It belongs to the machine, not to the estimator's parameters.
 #pragma once
 
@@ -16,7 +16,7 @@ struct TransportOptions {
                                         ///< unauthenticated
   std::filesystem::path commands_file;  ///< [commands] file: of a replay; empty: none
   std::filesystem::path
-      own_structure_file;  ///< [mask] file: picture of the servicer's own; empty: none
+      own_structure_file;  ///< [mask] file: image of the servicer's own; empty: none
 };
 
 /// True for `transport` and `commands`.

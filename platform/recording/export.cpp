@@ -121,7 +121,7 @@ class Exporter {
       write_file(folder_ / "commands.csv", "#timestamp [ns],packet\n" + commands_);
     }
     report_.has_begin = run.begins;
-    report_.octets_lost = reader.octets_lost();
+    report_.bytes_lost = reader.bytes_lost();
     report_.files_lost = reader.files_lost();
     report_.own_structure_sha256 = digest_of(kOwnStructure, begin_);
     write_file(folder_ / "recording.json",
@@ -138,7 +138,7 @@ class Exporter {
                            report_.not_recorded,
                            report_.out_of_time,
                            report_.commands,
-                           report_.octets_lost,
+                           report_.bytes_lost,
                            report_.files_lost,
                            report_.own_structure_sha256,
                            report_.has_checkpoint,
@@ -161,7 +161,7 @@ class Exporter {
                 {.data = record.content.data(),
                  .width_px = header.width_px,
                  .height_px = header.height_px,
-                 .stride_octets = header.width_px * (header.deep ? 2 : 1),
+                 .stride_bytes = header.width_px * (header.deep ? 2 : 1),
                  .format = header.deep ? PixelFormat::kGray16 : PixelFormat::kGray8});
     } else {
       ++report_.unreadable;
@@ -200,7 +200,7 @@ std::string begin_text(std::string_view version,
 
 bool replays_to_the_same_bytes(const ExportReport& report) {
   return report.has_begin && report.not_recorded == 0 && report.out_of_time == 0 &&
-         report.octets_lost == 0 && report.files_lost == 0 && report.own_structure_sha256.empty();
+         report.bytes_lost == 0 && report.files_lost == 0 && report.own_structure_sha256.empty();
 }
 
 std::string losses_of(const ExportReport& report) {
@@ -213,7 +213,7 @@ std::string losses_of(const ExportReport& report) {
   if (!report.has_begin) {
     losses.emplace_back("its beginning has been removed");
   }
-  add(report.octets_lost, "octets damaged");
+  add(report.bytes_lost, "octets damaged");
   add(report.files_lost, "files missing or not to be read");
   add(report.not_recorded, "frames not recorded");
   add(report.out_of_time, "frames out of time");

@@ -1,4 +1,5 @@
-// A recorded run as a sequence in the ASL layout, with what else a replay needs for the same bytes.
+// Exports a recorded run as a sequence in the ASL layout, with all inputs that a replay needs for
+// the same bytes.
 #pragma once
 
 #include <cstdint>
@@ -18,15 +19,15 @@ struct ExportReport {
   std::uint64_t commands = 0;
   std::uint64_t out_of_time =
       0;  ///< frames whose times do not increase: left out, as no sequence has such
-  std::uint64_t octets_lost = 0;
+  std::uint64_t bytes_lost = 0;
   std::uint32_t files_lost = 0;
   std::string own_structure_sha256 =
-      {};  ///< of the picture that mask.file named; it is not in the recording
+      {};  ///< of the image that mask.file named; it is not in the recording
   bool has_checkpoint = false;
   bool has_begin = false;  ///< else the replay starts where the recording does
 };
 
-/// What a recording says of its run: TOML that a replay takes, and in comments what is not the
+/// Facts of a recorded run: TOML that a replay takes, and in comments what is not the
 /// estimator's.
 std::string begin_text(std::string_view version,
                        const std::string& own_structure_sha256,
@@ -41,7 +42,7 @@ ExportReport export_run(const RecordedRun& run, const std::filesystem::path& fol
 /// True when a replay of the export, as it is, gives the bytes of the live run.
 bool replays_to_the_same_bytes(const ExportReport& report);
 
-/// What the recording has lost, as in "41 octets damaged, 2 frames not recorded"; else empty.
+/// Losses of the recording, as in "41 bytes damaged, 2 frames not recorded"; else empty.
 std::string losses_of(const ExportReport& report);
 
 }  // namespace polhode::platform

@@ -6,7 +6,7 @@
 #include <charconv>
 
 #include "base/crc.hpp"
-#include "camera/replay/file_octets.hpp"
+#include "camera/replay/file_bytes.hpp"
 #include "config/limits.hpp"
 #include "errors.hpp"
 #include "recording/segments.hpp"
@@ -41,7 +41,7 @@ std::size_t parameter_of(std::string_view text, std::string_view key) {
 
 /// Of a frame of the camera that the run's parameters name, 16 bits a pixel.
 /// @return `otherwise` where they name none that can be.
-std::size_t frame_octets_of(std::span<const std::uint8_t> begin, std::size_t otherwise) {
+std::size_t frame_bytes_of(std::span<const std::uint8_t> begin, std::size_t otherwise) {
   const std::string_view text(reinterpret_cast<const char*>(begin.data()), begin.size());
   const std::size_t width = parameter_of(text, "\ncamera.width_px = ");
   const std::size_t height = parameter_of(text, "\ncamera.height_px = ");
@@ -79,35 +79,33 @@ std::vector<RecordedRun> recorded_runs(const fs::path& folder) {
   return runs;
 }
 
-bool unpack(const RecordHeader& header,
-            std::size_t octets_max,
-            std::vector<std::uint8_t>* content) {
+bool unpack(const RecordHeader& header, std::size_t bytes_max, std::vector<std::uint8_t>* content) {
   const std::size_t pixels = static_cast<std::size_t>(header.width_px) * header.height_px;
-  const std::size_t octets = header.deep ? 2 * pixels : pixels;
-  // No LZ4 block unpacks to more than 255 times its length: a size beyond that is no picture's.
+  const std::size_t bytes = header.deep ? 2 * pixels : pixels;
+  // No LZ4 block unpacks to more than 255 times its length: a size beyond that is no image's.
   constexpr std::size_t kLz4Ratio = 255;
-  if (octets > octets_max || octets > kLz4Ratio * (content->size() + 1)) {
+  if (bytes > bytes_max || bytes > kLz4Ratio * (content->size() + 1)) {
     return false;
   }
   if (header.packing == RecordPacking::kDifferenceLz4) {
-    std::vector<std::uint8_t> image(octets);
+    std::vector<std::uint8_t> image(bytes);
     const int got = LZ4_decompress_safe(reinterpret_cast<const char*>(content->data()),
                                         reinterpret_cast<char*>(image.data()),
                                         static_cast<int>(content->size()),
-                                        static_cast<int>(octets));
-    if (got != static_cast<int>(octets)) {
+                                        static_cast<int>(bytes));
+    if (got != static_cast<int>(bytes)) {
       return false;
     }
     sum_rows(image, header.width_px, header.deep);
     content->swap(image);
   }
-  return content->size() == octets;
+  return content->size() == bytes;
 }
 
 bool RecordingReader::open_next_file() {
   while (next_file_ < run_.files.size()) {
     at_ = 0;
-    if (!read_file(run_.files[next_file_++], octets_)) {
+    if (!read_file(run_.files[next_file_++], bytes_)) {
       return true;
     }
     ++files_lost_;
@@ -118,38 +116,38 @@ bool RecordingReader::open_next_file() {
 /// To the next place where a record begins.
 void RecordingReader::pass_over(std::uint64_t from) {
   ++at_;
-  while (at_ < octets_.size() && !decode_record_header(std::span(octets_).subspan(at_))) {
+  while (at_ < bytes_.size() && !decode_record_header(std::span(bytes_).subspan(at_))) {
     ++at_;
   }
-  octets_lost_ += at_ - from;
+  bytes_lost_ += at_ - from;
 }
 
 bool RecordingReader::read_record(Record* record) {
-  const auto rest = std::span<const std::uint8_t>(octets_).subspan(at_);
+  const auto rest = std::span<const std::uint8_t>(bytes_).subspan(at_);
   const auto header = decode_record_header(rest);
-  if (!header || rest.size() - kRecordHeaderOctets < header->octets) {
+  if (!header || rest.size() - kRecordHeaderBytes < header->bytes) {
     return false;
   }
-  const auto content = rest.subspan(kRecordHeaderOctets, header->octets);
+  const auto content = rest.subspan(kRecordHeaderBytes, header->bytes);
   if (crc32_iso_hdlc(content) != header->content_crc32) {
     return false;
   }
   record->header = *header;
   record->content.assign(content.begin(), content.end());
-  const bool picture = header->kind == RecordKind::kFrame && header->readable;
-  if (picture && !unpack(*header, frame_octets_max_, &record->content)) {
+  const bool has_image = header->kind == RecordKind::kFrame && header->readable;
+  if (has_image && !unpack(*header, frame_bytes_max_, &record->content)) {
     return false;
   }
   if (header->kind == RecordKind::kBegin) {
-    frame_octets_max_ = frame_octets_of(record->content, frame_octets_max_);
+    frame_bytes_max_ = frame_bytes_of(record->content, frame_bytes_max_);
   }
-  at_ += kRecordHeaderOctets + header->octets;
+  at_ += kRecordHeaderBytes + header->bytes;
   return true;
 }
 
 bool RecordingReader::next(Record* record) {
   for (;;) {
-    if (at_ >= octets_.size()) {
+    if (at_ >= bytes_.size()) {
       if (!open_next_file()) {
         return false;
       }

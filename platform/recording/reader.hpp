@@ -1,4 +1,4 @@
-// Reads a recording back: record by record over its files, passing over what is damaged.
+// Reads a recording record by record over its files, skipping damage.
 #pragma once
 
 #include <cstdint>
@@ -37,8 +37,8 @@ class RecordingReader {
   /// @return false at the end.
   bool next(Record* record);
 
-  /// Octets that were passed over, because they were damaged or cut off.
-  [[nodiscard]] std::uint64_t octets_lost() const { return octets_lost_; }
+  /// Bytes that were passed over, because they were damaged or cut off.
+  [[nodiscard]] std::uint64_t bytes_lost() const { return bytes_lost_; }
   /// Files that are missing or could not be read.
   [[nodiscard]] std::uint32_t files_lost() const { return files_lost_; }
 
@@ -49,17 +49,17 @@ class RecordingReader {
 
   const RecordedRun& run_;
   std::size_t next_file_ = 0;
-  std::vector<std::uint8_t> octets_;  ///< of the present file
+  std::vector<std::uint8_t> bytes_;  ///< of the present file
   std::size_t at_ = 0;
   /// Of the run's camera, once the record that names it was read.
-  std::size_t frame_octets_max_ = 2 * limits::kImageSide * limits::kImageSide;
-  std::uint64_t octets_lost_ = 0;
+  std::size_t frame_bytes_max_ = 2 * limits::kImageSide * limits::kImageSide;
+  std::uint64_t bytes_lost_ = 0;
   std::uint32_t files_lost_ = 0;
 };
 
 /// The pixels of a frame's record as it is stored.
-/// @param octets_max  no memory is asked for more
+/// @param bytes_max  no more memory is requested
 /// @return false when they cannot be had.
-bool unpack(const RecordHeader& header, std::size_t octets_max, std::vector<std::uint8_t>* content);
+bool unpack(const RecordHeader& header, std::size_t bytes_max, std::vector<std::uint8_t>* content);
 
 }  // namespace polhode::platform

@@ -10,7 +10,7 @@ namespace polhode::platform {
 namespace {
 
 constexpr std::uint32_t kMagic = 0x31524850;  // "PHR1"
-constexpr std::size_t kCrcAt = kRecordHeaderOctets - 4;
+constexpr std::size_t kCrcAt = kRecordHeaderBytes - 4;
 
 template <typename T>
 void put(std::uint8_t*& at, T value) {
@@ -28,23 +28,23 @@ T take(const std::uint8_t*& at) {
   return static_cast<T>(value);
 }
 
-/// Kinds that exist, and a picture of a size that a camera can have.
+/// Kinds that exist, and an image of a size that a camera can have.
 bool is_possible(const RecordHeader& header) {
   const bool kinds = header.kind >= RecordKind::kBegin && header.kind <= RecordKind::kCheckpoint &&
                      header.packing <= RecordPacking::kDifferenceLz4 &&
                      header.reason >= DropReason::kLate &&
                      header.reason <= DropReason::kNotRecorded;
-  const bool picture = header.kind == RecordKind::kFrame && header.readable;
-  return kinds && (!picture || (header.width_px > 0 && header.height_px > 0 &&
-                                header.width_px <= limits::kImageSide &&
-                                header.height_px <= limits::kImageSide));
+  const bool has_image = header.kind == RecordKind::kFrame && header.readable;
+  return kinds && (!has_image || (header.width_px > 0 && header.height_px > 0 &&
+                                  header.width_px <= limits::kImageSide &&
+                                  header.height_px <= limits::kImageSide));
 }
 
 }  // namespace
 
-std::array<std::uint8_t, kRecordHeaderOctets> encode(const RecordHeader& header) {
-  std::array<std::uint8_t, kRecordHeaderOctets> octets{};
-  std::uint8_t* at = octets.data();
+std::array<std::uint8_t, kRecordHeaderBytes> encode(const RecordHeader& header) {
+  std::array<std::uint8_t, kRecordHeaderBytes> bytes{};
+  std::uint8_t* at = bytes.data();
   put(at, kMagic);
   put(at, static_cast<std::uint8_t>(header.kind));
   put(at, static_cast<std::uint8_t>((header.readable ? 1U : 0U) | (header.deep ? 2U : 0U)));
@@ -54,22 +54,22 @@ std::array<std::uint8_t, kRecordHeaderOctets> encode(const RecordHeader& header)
   put(at, header.height_px);
   put(at, header.count);
   put(at, header.timestamp_ns);
-  put(at, header.octets);
+  put(at, header.bytes);
   put(at, header.content_crc32);
-  at = octets.data() + kCrcAt;
-  put(at, crc32_iso_hdlc(std::span(octets).first(kCrcAt)));
-  return octets;
+  at = bytes.data() + kCrcAt;
+  put(at, crc32_iso_hdlc(std::span(bytes).first(kCrcAt)));
+  return bytes;
 }
 
-std::optional<RecordHeader> decode_record_header(std::span<const std::uint8_t> octets) {
-  if (octets.size() < kRecordHeaderOctets) {
+std::optional<RecordHeader> decode_record_header(std::span<const std::uint8_t> bytes) {
+  if (bytes.size() < kRecordHeaderBytes) {
     return std::nullopt;
   }
-  const std::uint8_t* at = octets.data() + kCrcAt;
-  if (take<std::uint32_t>(at) != crc32_iso_hdlc(octets.first(kCrcAt))) {
+  const std::uint8_t* at = bytes.data() + kCrcAt;
+  if (take<std::uint32_t>(at) != crc32_iso_hdlc(bytes.first(kCrcAt))) {
     return std::nullopt;
   }
-  at = octets.data();
+  at = bytes.data();
   if (take<std::uint32_t>(at) != kMagic) {
     return std::nullopt;
   }
@@ -84,7 +84,7 @@ std::optional<RecordHeader> decode_record_header(std::span<const std::uint8_t> o
   header.height_px = take<std::uint16_t>(at);
   header.count = take<std::uint32_t>(at);
   header.timestamp_ns = take<std::int64_t>(at);
-  header.octets = take<std::uint32_t>(at);
+  header.bytes = take<std::uint32_t>(at);
   header.content_crc32 = take<std::uint32_t>(at);
   return is_possible(header) ? std::optional(header) : std::nullopt;
 }
@@ -99,7 +99,7 @@ void difference_rows(std::span<const std::uint8_t> from,
   for (std::size_t start = 0; start < from.size(); start += row) {
     std::memcpy(to + start, from.data() + start, pixel);
     for (std::size_t i = start + pixel; i < start + row; ++i) {
-      to[i] = static_cast<std::uint8_t>(from[i] - from[i - pixel]);  // octet by octet, modulo 256
+      to[i] = static_cast<std::uint8_t>(from[i] - from[i - pixel]);  // byte by byte, modulo 256
     }
   }
 }

@@ -20,13 +20,13 @@ enum class RecordKind : std::uint8_t {
 
 enum class DropReason : std::uint8_t {
   kLate = 1,         ///< a newer one was there
-  kJob = 2,          ///< the work due at it had not come back
+  kJob = 2,          ///< the work due at it was not finished
   kNotRecorded = 3,  ///< accepted, but the disk was behind: from here on a replay differs
 };
 
 enum class RecordPacking : std::uint8_t { kRaw = 0, kDifferenceLz4 = 1 };
 
-inline constexpr std::size_t kRecordHeaderOctets = 40;
+inline constexpr std::size_t kRecordHeaderBytes = 40;
 
 struct RecordHeader {
   RecordKind kind = RecordKind::kBegin;
@@ -38,13 +38,13 @@ struct RecordHeader {
   std::int64_t timestamp_ns = 0;  ///< of a frame
   DropReason reason = DropReason::kLate;
   std::uint32_t count = 0;
-  std::uint32_t octets = 0;  ///< of the content
+  std::uint32_t bytes = 0;  ///< of the content
   std::uint32_t content_crc32 = 0;
 };
 
-std::array<std::uint8_t, kRecordHeaderOctets> encode(const RecordHeader& header);
+std::array<std::uint8_t, kRecordHeaderBytes> encode(const RecordHeader& header);
 /// @return nothing when it is no header, a damaged one, or of a kind or size that there is not.
-std::optional<RecordHeader> decode_record_header(std::span<const std::uint8_t> octets);
+std::optional<RecordHeader> decode_record_header(std::span<const std::uint8_t> bytes);
 
 /// Gray values as differences to the left neighbour, row by row, which compress better; and back.
 /// @param to as long as `from`.

@@ -14,49 +14,49 @@ namespace {
 
 constexpr std::size_t kCommandOctetsMax = 65542;  // the longest CCSDS packet
 
-constexpr std::size_t aligned(std::size_t octets) { return (octets + 63) / 64 * 64; }
+constexpr std::size_t aligned(std::size_t bytes) { return (bytes + 63) / 64 * 64; }
 
-std::size_t compressed_octets(std::size_t octets) {
-  return static_cast<std::size_t>(LZ4_compressBound(static_cast<int>(octets)));
+std::size_t compressed_bytes(std::size_t bytes) {
+  return static_cast<std::size_t>(LZ4_compressBound(static_cast<int>(bytes)));
 }
 
-std::span<const std::uint8_t> octets_of(const std::string& text) {
+std::span<const std::uint8_t> bytes_of(const std::string& text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
 }  // namespace
 
-std::size_t Recorder::octets_needed(std::size_t slots, std::size_t frame_octets_max) {
-  const std::size_t slot = std::max(frame_octets_max, kCommandOctetsMax);
-  return slots * aligned(slot) + aligned(frame_octets_max) +
-         aligned(compressed_octets(frame_octets_max)) +
+std::size_t Recorder::bytes_needed(std::size_t slots, std::size_t frame_bytes_max) {
+  const std::size_t slot = std::max(frame_bytes_max, kCommandOctetsMax);
+  return slots * aligned(slot) + aligned(frame_bytes_max) +
+         aligned(compressed_bytes(frame_bytes_max)) +
          aligned(static_cast<std::size_t>(LZ4_sizeofState()));
 }
 
-Recorder::Recorder(const RecorderOptions& options, std::string begin, std::size_t frame_octets_max)
+Recorder::Recorder(const RecorderOptions& options, std::string begin, std::size_t frame_bytes_max)
     : complete_(options.complete),
       begin_(std::move(begin)),
       segments_(options.folder, options.run_utc_ns, options.limits),
       slots_(options.slots),
-      memory_(octets_needed(options.slots, frame_octets_max)) {
+      memory_(bytes_needed(options.slots, frame_bytes_max)) {
   std::span<std::byte> left = memory_.span();
-  const auto take = [&left](std::size_t octets) {
-    const std::span<std::uint8_t> taken(reinterpret_cast<std::uint8_t*>(left.data()), octets);
-    left = left.subspan(aligned(octets));
+  const auto take = [&left](std::size_t bytes) {
+    const std::span<std::uint8_t> taken(reinterpret_cast<std::uint8_t*>(left.data()), bytes);
+    left = left.subspan(aligned(bytes));
     return taken;
   };
   for (Slot& slot : slots_) {
-    slot.content = take(std::max(frame_octets_max, kCommandOctetsMax));
+    slot.content = take(std::max(frame_bytes_max, kCommandOctetsMax));
   }
-  differences_ = take(frame_octets_max);
-  compressed_ = take(compressed_octets(frame_octets_max));
+  differences_ = take(frame_bytes_max);
+  compressed_ = take(compressed_bytes(frame_bytes_max));
   lz4_state_ = take(static_cast<std::size_t>(LZ4_sizeofState()));
   thread_.start(&Recorder::work, this);
 }
 
 Recorder::~Recorder() {
   if (missed_since_ > 0) {
-    // Told by an empty place of its own: the run is over, and may wait.
+    // Marked by an empty slot of its own: the run is over, and may wait.
     (void)claim_in_turn(Patience::kEndless);
   }
   {
@@ -68,7 +68,7 @@ Recorder::~Recorder() {
 }
 
 Recorder::Slot* Recorder::claim(Patience patience) {
-  // Long for a thread that writes a few octets, short beside a frame.
+  // Long for a thread that writes a few bytes, short beside a frame.
   constexpr std::chrono::milliseconds kShort{5};
   std::unique_lock lock(mutex_);
   const auto is_free = [this] { return filled_ < slots_.size(); };
@@ -106,9 +106,9 @@ void Recorder::commit() {
   changed_.notify_all();
 }
 
-void Recorder::checkpoint(std::span<const std::uint8_t> octets) {
+void Recorder::checkpoint(std::span<const std::uint8_t> bytes) {
   // Nothing waits for this thread yet, and the other has nothing to write: the file is ours.
-  const bool written = write_in_turn({.kind = RecordKind::kCheckpoint}, octets);
+  const bool written = write_in_turn({.kind = RecordKind::kCheckpoint}, bytes);
   const std::lock_guard lock(mutex_);
   counters_.write_failures += written ? 0 : 1;
 }
@@ -129,12 +129,12 @@ void Recorder::frame(const Frame& frame) {
                   .timestamp_ns = frame.timestamp_ns};
   if (frame.readable) {
     const std::size_t row = static_cast<std::size_t>(image.width_px) * (deep ? 2 : 1);
-    slot->header.octets =
+    slot->header.bytes =
         static_cast<std::uint32_t>(row * static_cast<std::size_t>(image.height_px));
-    POLHODE_ASSERT(slot->header.octets <= slot->content.size(), slot->header.octets);
+    POLHODE_ASSERT(slot->header.bytes <= slot->content.size(), slot->header.bytes);
     for (int v = 0; v < image.height_px; ++v) {
       std::memcpy(slot->content.data() + static_cast<std::size_t>(v) * row,
-                  image.data + v * image.stride_octets,
+                  image.data + v * image.stride_bytes,
                   row);
     }
   }
@@ -156,9 +156,9 @@ void Recorder::command(std::span<const std::uint8_t> packet) {
     miss();
     return;
   }
-  const std::size_t octets = std::min(packet.size(), slot->content.size());
-  slot->header = {.kind = RecordKind::kCommand, .octets = static_cast<std::uint32_t>(octets)};
-  std::copy_n(packet.begin(), octets, slot->content.begin());
+  const std::size_t bytes = std::min(packet.size(), slot->content.size());
+  slot->header = {.kind = RecordKind::kCommand, .bytes = static_cast<std::uint32_t>(bytes)};
+  std::copy_n(packet.begin(), bytes, slot->content.begin());
   commit();
 }
 
@@ -174,8 +174,8 @@ void Recorder::serve() {
   for (;;) {
     changed_.wait(lock, [this] { return stop_ || filled_ > 0; });
     if (filled_ == 0) {
-      (void)tell_refused();
-      return;  // asked to stop, and all is written
+      (void)record_refused();
+      return;  // a stop was requested, and all is written
     }
     Slot& slot = slots_[first_];
     lock.unlock();
@@ -190,33 +190,33 @@ void Recorder::serve() {
 /// Leaves the content as it is where compression gains nothing.
 void Recorder::compress(Slot& slot, std::span<const std::uint8_t>* content) {
   difference_rows(*content, slot.header.width_px, slot.header.deep, differences_.data());
-  const int octets = LZ4_compress_fast_extState(lz4_state_.data(),
-                                                reinterpret_cast<const char*>(differences_.data()),
-                                                reinterpret_cast<char*>(compressed_.data()),
-                                                static_cast<int>(content->size()),
-                                                static_cast<int>(compressed_.size()),
-                                                1);
-  if (octets > 0 && static_cast<std::size_t>(octets) < content->size()) {
+  const int bytes = LZ4_compress_fast_extState(lz4_state_.data(),
+                                               reinterpret_cast<const char*>(differences_.data()),
+                                               reinterpret_cast<char*>(compressed_.data()),
+                                               static_cast<int>(content->size()),
+                                               static_cast<int>(compressed_.size()),
+                                               1);
+  if (bytes > 0 && static_cast<std::size_t>(bytes) < content->size()) {
     slot.header.packing = RecordPacking::kDifferenceLz4;
-    *content = compressed_.first(static_cast<std::size_t>(octets));
+    *content = compressed_.first(static_cast<std::size_t>(bytes));
   }
 }
 
 void Recorder::write_slot(Slot& slot) {
-  std::span<const std::uint8_t> content = slot.content.first(slot.header.octets);
+  std::span<const std::uint8_t> content = slot.content.first(slot.header.bytes);
   slot.header.packing = RecordPacking::kRaw;
-  const bool picture = slot.header.kind == RecordKind::kFrame && slot.header.readable;
-  if (picture) {
+  const bool has_image = slot.header.kind == RecordKind::kFrame && slot.header.readable;
+  if (has_image) {
     compress(slot, &content);
   }
   const bool written = write_in_turn(slot.header, content);
   const std::lock_guard lock(mutex_);
   counters_.frames += slot.header.kind == RecordKind::kFrame && written ? 1 : 0;
   counters_.write_failures += written ? 0 : 1;
-  counters_.octets += written ? kRecordHeaderOctets + content.size() : 0;
+  counters_.bytes += written ? kRecordHeaderBytes + content.size() : 0;
 }
 
-bool Recorder::tell_refused() {
+bool Recorder::record_refused() {
   if (refused_ > 0 &&
       write_record(
           {.kind = RecordKind::kDropped, .reason = DropReason::kNotRecorded, .count = refused_},
@@ -227,23 +227,23 @@ bool Recorder::tell_refused() {
 }
 
 bool Recorder::write_in_turn(const RecordHeader& header, std::span<const std::uint8_t> content) {
-  const bool written = tell_refused() && write_record(header, content);
+  const bool written = record_refused() && write_record(header, content);
   refused_ += written ? 0 : std::max(1U, header.count);
   return written;
 }
 
 bool Recorder::write_record(RecordHeader header, std::span<const std::uint8_t> content) {
   const auto whole = [this](RecordHeader h, std::span<const std::uint8_t> c) {
-    h.octets = static_cast<std::uint32_t>(c.size());
+    h.bytes = static_cast<std::uint32_t>(c.size());
     h.content_crc32 = crc32_iso_hdlc(c);
     return segments_.write(encode(h)) && segments_.write(c);
   };
-  if (segments_.wants_next(kRecordHeaderOctets + content.size())) {
+  if (segments_.wants_next(kRecordHeaderBytes + content.size())) {
     if (!segments_.begin_next()) {
       return false;
     }
-    if (!whole({.kind = RecordKind::kBegin}, octets_of(begin_))) {
-      segments_.give_up_present();
+    if (!whole({.kind = RecordKind::kBegin}, bytes_of(begin_))) {
+      segments_.abandon_present();
       return false;
     }
   }

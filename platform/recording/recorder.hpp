@@ -1,5 +1,5 @@
-// Writes down what a run's packets depend on: accepted frames, drops, commands, and the state it
-// started from. The frame's thread copies into a ring; another thread compresses and writes.
+// Records the inputs of a run's packets: accepted frames, drops, commands, and the initial state.
+// The frame's thread copies into a ring; another thread compresses and writes.
 #pragma once
 
 #include <array>
@@ -30,23 +30,24 @@ struct RecorderCounters {
   std::uint64_t frames = 0;
   std::uint64_t missed = 0;          ///< frames and commands for which no slot was free
   std::uint64_t write_failures = 0;  ///< records that the disk did not take
-  std::uint64_t octets = 0;
+  std::uint64_t bytes = 0;
 };
 
 class Recorder {
  public:
-  /// What its pictures need.
-  static std::size_t octets_needed(std::size_t slots, std::size_t frame_octets_max);
+  /// Needs of its images.
+  static std::size_t bytes_needed(std::size_t slots, std::size_t frame_bytes_max);
 
-  /// Takes all memory that it will need. @param begin what the run's parameters are, as text.
+  /// Takes all memory that it will need.
+  /// @param begin the run's parameters, as text.
   /// @throws RunFailure when the folder cannot be used.
-  Recorder(const RecorderOptions& options, std::string begin, std::size_t frame_octets_max);
+  Recorder(const RecorderOptions& options, std::string begin, std::size_t frame_bytes_max);
   ~Recorder();
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
   /// The state that the run starts from; before the first frame.
-  void checkpoint(std::span<const std::uint8_t> octets);
+  void checkpoint(std::span<const std::uint8_t> bytes);
   void frame(const Frame& frame);
   void dropped(DropReason reason, std::uint32_t count);
   void command(std::span<const std::uint8_t> packet);
@@ -62,7 +63,7 @@ class Recorder {
   enum class Patience : std::uint8_t { kNone, kShort, kEndless };
   /// The next free slot, if one comes in time.
   Slot* claim(Patience patience);
-  /// As claim(), after what was missed has been told.
+  /// As claim(), after missed records have been reported.
   Slot* claim_in_turn(Patience patience);
   void commit();
   void miss();
@@ -71,8 +72,8 @@ class Recorder {
   void write_slot(Slot& slot);
   void compress(Slot& slot, std::span<const std::uint8_t>* content);
   /// Writes down how much the disk has refused. @return false while it refuses that, too.
-  bool tell_refused();
-  /// As write_record(), after what was refused before has been told.
+  bool record_refused();
+  /// As write_record(), after refused records have been reported.
   bool write_in_turn(const RecordHeader& header, std::span<const std::uint8_t> content);
   bool write_record(RecordHeader header, std::span<const std::uint8_t> content);
 
@@ -80,7 +81,7 @@ class Recorder {
   std::string begin_;
   Segments segments_;
   std::vector<Slot> slots_;
-  TableMemory memory_;  ///< of all pictures that wait, beside the pools, which are the libraries'
+  TableMemory memory_;  ///< of all images that wait, beside the pools, which are the libraries'
   std::span<std::uint8_t> differences_;
   std::span<std::uint8_t> compressed_;
   std::span<std::uint8_t> lz4_state_;

@@ -66,12 +66,12 @@ Segments::Segments(const fs::path& folder, std::int64_t run_utc_ns, const Segmen
                                  std::generic_category().message(errno)));
   }
   const std::vector<fs::path> present = segment_files(folder);
-  segments_.reserve(present.size() + limits.folder_octets_max / limits.segment_octets_max + 2);
+  segments_.reserve(present.size() + limits.folder_bytes_max / limits.segment_bytes_max + 2);
   for (const fs::path& file : present) {
     Segment segment;
     std::snprintf(segment.name.data(), segment.name.size(), "%s", file.filename().c_str());
-    segment.octets = fs::file_size(file, problem);
-    folder_octets_ += segment.octets;
+    segment.bytes = fs::file_size(file, problem);
+    folder_bytes_ += segment.bytes;
     segments_.push_back(segment);
   }
 }
@@ -83,13 +83,13 @@ Segments::~Segments() {
   ::close(folder_descriptor_);
 }
 
-bool Segments::wants_next(std::uint64_t octets) const {
-  return file_ < 0 || segments_.back().octets + octets > limits_.segment_octets_max;
+bool Segments::wants_next(std::uint64_t bytes) const {
+  return file_ < 0 || segments_.back().bytes + bytes > limits_.segment_bytes_max;
 }
 
 void Segments::remove_oldest() {
   (void)::unlinkat(folder_descriptor_, segments_.front().name.data(), 0);
-  folder_octets_ -= segments_.front().octets;
+  folder_bytes_ -= segments_.front().bytes;
   segments_.erase(segments_.begin());
   ++removed_;
 }
@@ -100,7 +100,7 @@ bool Segments::begin_next() {
     file_ = -1;
   }
   while (!segments_.empty() &&
-         (folder_octets_ + limits_.segment_octets_max > limits_.folder_octets_max ||
+         (folder_bytes_ + limits_.segment_bytes_max > limits_.folder_bytes_max ||
           segments_.size() == segments_.capacity())) {
     remove_oldest();
   }
@@ -121,24 +121,24 @@ bool Segments::begin_next() {
   return true;
 }
 
-void Segments::give_up_present() {
+void Segments::abandon_present() {
   ::close(file_);
   file_ = -1;
   (void)::unlinkat(folder_descriptor_, segments_.back().name.data(), 0);
-  folder_octets_ -= segments_.back().octets;
+  folder_bytes_ -= segments_.back().bytes;
   segments_.pop_back();
 }
 
-bool Segments::write(std::span<const std::uint8_t> octets) {
-  while (!octets.empty()) {
-    const ssize_t written = ::write(file_, octets.data(), octets.size());
+bool Segments::write(std::span<const std::uint8_t> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(file_, bytes.data(), bytes.size());
     if (written <= 0) {
       return false;
     }
     const auto taken = static_cast<std::size_t>(written);
-    segments_.back().octets += taken;
-    folder_octets_ += taken;
-    octets = octets.subspan(taken);
+    segments_.back().bytes += taken;
+    folder_bytes_ += taken;
+    bytes = bytes.subspan(taken);
   }
   return true;
 }

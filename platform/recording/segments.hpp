@@ -12,16 +12,16 @@
 namespace polhode::platform {
 
 struct SegmentLimits {
-  std::uint64_t segment_octets_max = 0;
-  std::uint64_t folder_octets_max = 0;
+  std::uint64_t segment_bytes_max = 0;
+  std::uint64_t folder_bytes_max = 0;
 };
 
 /// "recording-<start of the run>-<number>.rec": in the order of their names they are in the order
 /// of time.
 class Segments {
  public:
-  /// Looks at what is in the folder already; makes it if need be.
-  /// @param run_utc_ns tells this run's files from others'.
+  /// Reads the content of the folder, which is made if need be.
+  /// @param run_utc_ns identifies this run's files.
   /// @throws RunFailure when the folder cannot be made or read.
   Segments(const std::filesystem::path& folder,
            std::int64_t run_utc_ns,
@@ -30,24 +30,24 @@ class Segments {
   Segments(const Segments&) = delete;
   Segments& operator=(const Segments&) = delete;
 
-  /// True when `octets` more would make the present file too long, or none is open.
-  [[nodiscard]] bool wants_next(std::uint64_t octets) const;
+  /// True when `bytes` more would make the present file too long, or none is open.
+  [[nodiscard]] bool wants_next(std::uint64_t bytes) const;
   /// Ends the present file and begins the next, making room for all of it first.
   /// @return false when it cannot be made.
   bool begin_next();
   /// The file just begun could not be: without its first record nobody can read it.
-  void give_up_present();
+  void abandon_present();
   /// @return false when the disk did not take it.
-  bool write(std::span<const std::uint8_t> octets);
+  bool write(std::span<const std::uint8_t> bytes);
 
-  [[nodiscard]] std::uint64_t folder_octets() const { return folder_octets_; }
+  [[nodiscard]] std::uint64_t folder_bytes() const { return folder_bytes_; }
   [[nodiscard]] std::uint32_t removed() const { return removed_; }
 
  private:
   using Name = std::array<char, 48>;
   struct Segment {
     Name name{};
-    std::uint64_t octets = 0;
+    std::uint64_t bytes = 0;
   };
   void remove_oldest();
 
@@ -58,7 +58,7 @@ class Segments {
   int file_ = -1;
   std::uint32_t number_ = 0;
   std::vector<Segment> segments_;  ///< oldest first; room is made at the start
-  std::uint64_t folder_octets_ = 0;
+  std::uint64_t folder_bytes_ = 0;
   std::uint32_t removed_ = 0;
 };
 

@@ -39,7 +39,7 @@ TimedCommand read_line(std::string_view line, CommandWriter& writer) {
 }  // namespace
 
 CommandFile::CommandFile(const std::filesystem::path& file, int apid_first) {
-  const std::string text = read_text(file, kTableOctetsMax);
+  const std::string text = read_text(file, kTableBytesMax);
   CommandWriter writer(apid_first);
   TextLines lines(text);
   for (std::string_view line; lines.next(&line);) {

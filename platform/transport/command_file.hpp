@@ -1,5 +1,5 @@
-// Commands with the times at which they are handed over: with frames and configuration, what
-// determines the bytes of a replay.
+// Commands with the times at which they are handed over: with frames and configuration they
+// determine the bytes of a replay.
 #pragma once
 
 #include <cstdint>

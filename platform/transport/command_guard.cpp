@@ -84,7 +84,7 @@ CommandGuard::CommandGuard(const CommandSettings& settings, std::uint64_t utc_ns
 std::optional<std::span<const std::uint8_t>> CommandGuard::pass(std::span<std::uint8_t> datagram,
                                                                 const Received& received) {
   ++counts_.received;
-  if (received.told_uid && received.uid != ::geteuid() && received.uid != 0) {
+  if (received.uid_known && received.uid != ::geteuid() && received.uid != 0) {
     ++counts_.refused_sender;
     return std::nullopt;
   }

@@ -1,4 +1,4 @@
-// Which datagrams at a command port are commands of somebody who may give them.
+// Decides which datagrams at a command port are commands of an authorised sender.
 #pragma once
 
 #include <cstdint>
@@ -22,14 +22,14 @@ struct CommandSettings {
   bool unauthenticated = false;  ///< without a key, UDP takes commands from anybody
 };
 
-/// What became of the datagrams that arrived.
+/// Counts of the datagrams that arrived.
 struct CommandCounts {
   std::uint32_t received = 0;
   std::uint32_t passed = 0;            ///< to the component, which has its own checks
   std::uint32_t refused_sender = 0;    ///< a Unix socket: another user's
   std::uint32_t refused_form = 0;      ///< no packet with a trailer
   std::uint32_t refused_mac = 0;       ///< not by this key
-  std::uint32_t refused_number = 0;    ///< taken before, or too old to tell
+  std::uint32_t refused_number = 0;    ///< taken before, or too old to decide
   std::uint32_t numbers_not_kept = 0;  ///< passed, but the disk refused the number, or was slow
 };
 
@@ -73,14 +73,14 @@ class CommandGuard {
   CommandCounts counts_;
 };
 
-/// @throws UnusableInput saying what a key file is.
+/// @throws UnusableInput with a description of key files.
 polhode_key read_key(const std::filesystem::path& file);
 
 /// Of the settings, if they name one. @throws UnusableInput naming commands.key.
 std::optional<polhode_key> key_of(const CommandSettings& settings);
 
-/// @return empty, or what is wrong with these settings, by key: ports of no kind that commands come
-/// by, or that would take them from anybody without the settings saying so.
+/// @return empty, or the mistake in these settings, by key: ports of an unknown kind, or ports that
+/// would take commands from anybody without explicit permission.
 std::string problem_of(const std::vector<std::string>& receive, const CommandSettings& settings);
 
 }  // namespace polhode::platform

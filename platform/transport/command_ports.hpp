@@ -15,8 +15,8 @@
 namespace polhode::platform {
 
 /// Ports take turns, a command each, so a flood at one leaves the others their share of a step.
-/// What is refused takes nobody's place, and no more than kReads datagrams are read from a port
-/// for one step: what a flood costs is bounded, and known.
+/// Refused datagrams take no place, and at most kReads datagrams are read from a port for one step:
+/// the cost of a flood is bounded.
 class CommandPorts {
  public:
   /// Datagrams of one port for one step. Chosen: eight for each command that a step takes. A MAC
@@ -38,7 +38,7 @@ class CommandPorts {
 
   [[nodiscard]] const CommandGuard& guard() const { return guard_; }
   [[nodiscard]] std::size_t size() const { return ports_.size(); }
-  /// By the system, for want of room; of a Unix socket none, as its sender is told instead.
+  /// By the system, for want of room; of a Unix socket none, as its sender gets an error.
   [[nodiscard]] std::uint32_t dropped() const;
   /// Anybody who reaches one of the ports may give commands.
   [[nodiscard]] bool open_to_all() const;
@@ -50,7 +50,7 @@ class CommandPorts {
   };
   bool take_one(Port& port);
 
-  static constexpr std::size_t kOctets = limits::kPacketOctets + 1;  // one more tells a longer one
+  static constexpr std::size_t kOctets = limits::kPacketOctets + 1;  // one more shows a longer one
   std::vector<Port> ports_;
   CommandGuard guard_;
   std::size_t first_ = 0;  ///< port whose turn is next

@@ -1,4 +1,4 @@
-// Commands as people write them: "set_range frame_timestamp_ns=5 range_m=12.5".
+// Commands as text: "set_range frame_timestamp_ns=5 range_m=12.5".
 #pragma once
 
 #include <cstdint>

@@ -9,11 +9,11 @@
 namespace polhode::platform {
 
 /// The greatest numbers taken. Numbers need not follow each other: signers use the time. A number
-/// is taken once, and none below those that are remembered.
+/// is taken once, and none below the window.
 class CommandWindow {
  public:
-  /// Datagrams that overtake each other by less than this are all taken: what RFC 4303 asks of an
-  /// anti-replay window at least.
+  /// Datagrams that overtake each other by less than this are all taken: the least anti-replay
+  /// window of RFC 4303.
   static constexpr std::size_t kNumbers = 32;
 
   /// @param floor  no number up to this one is taken.

@@ -38,7 +38,7 @@ struct NumberFile::Place {
 
 namespace {
 
-/// Tells keys apart and says nothing about them: a MAC of a fixed text.
+/// Identifies a key without disclosing it: a MAC of a fixed text.
 std::uint64_t name_of(const polhode_key& key) {
   constexpr std::string_view kText = "polhode command numbers";
   std::array<std::uint8_t, POLHODE_MAC_OCTETS> mac{};
@@ -102,7 +102,7 @@ void NumberFile::begin(const std::filesystem::path& file, std::uint64_t utc_ns) 
   const std::size_t held = static_cast<std::size_t>(octets) / sizeof(Place);
   std::optional<std::size_t> own;
   bool torn = false;  // one of this key's places
-  bool lost = false;  // a pair that does not tell whose it was
+  bool lost = false;  // a pair whose key is unknown
   for (std::size_t pair = 0; pair < pairs; ++pair) {
     std::size_t mine = 0;
     std::size_t others = 0;

@@ -34,7 +34,7 @@ class NumberFile {
 
   /// Begins with what is in the file. Of a key that was never in it nothing was captured, so its
   /// numbers begin at 0. A missing file, or a damaged place that may have been this key's, does not
-  /// tell what was taken: numbers then begin at the present, so that nothing signed before is.
+  /// give the numbers taken: they then begin at the present, so that nothing signed before is.
   /// @param write  pwrite, but in tests.
   /// @throws UnusableInput: the file cannot be made or written by these settings, is another
   /// program's, or holds kKeys others; RunFailure: a fault of the disk.
@@ -48,7 +48,7 @@ class NumberFile {
 
   /// Where numbers begin.
   [[nodiscard]] std::uint64_t number() const { return number_; }
-  /// Why there; empty when the file told it.
+  /// Why there; empty when the file gave it.
   [[nodiscard]] const std::string& remark() const { return remark_; }
 
   /// Has the thread write it, and waits for that for at most kWait; not at all while the thread is

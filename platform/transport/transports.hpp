@@ -35,7 +35,7 @@ class Transports {
   /// does not take it is counted and delays none of the others.
   void send(std::span<const std::uint8_t> packets);
 
-  /// Tries again what waits for a reader with a full queue: at a quiet moment, and before the end.
+  /// Sends packets that wait for a reader with a full queue: at a quiet moment, and before the end.
   void flush();
 
   /// Command packets that have arrived, as CommandPorts::receive(); valid until the next call.

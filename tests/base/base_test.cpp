@@ -16,11 +16,11 @@ namespace polhode::base_test {
 namespace {
 
 /// The checksum bit by bit, as the polynomial's definition reads.
-std::uint16_t crc_by_bits(const std::vector<std::uint8_t>& octets) {
+std::uint16_t crc_by_bits(const std::vector<std::uint8_t>& bytes) {
   unsigned remainder = 0xFFFFU;
-  for (const std::uint8_t octet : octets) {
+  for (const std::uint8_t byte : bytes) {
     for (unsigned bit = 0; bit < 8; ++bit) {
-      const unsigned in = (octet >> (7U - bit)) & 1U;
+      const unsigned in = (byte >> (7U - bit)) & 1U;
       const unsigned top = (remainder >> 15U) & 1U;
       remainder = (remainder << 1U) & 0xFFFFU;
       remainder ^= (in ^ top) != 0 ? 0x1021U : 0U;
@@ -31,25 +31,25 @@ std::uint16_t crc_by_bits(const std::vector<std::uint8_t>& octets) {
 
 TEST(Crc, HasTheCheckValueOfItsName) {
   const std::string check = "123456789";
-  const std::vector<std::uint8_t> octets(check.begin(), check.end());
-  EXPECT_EQ(crc16_ccitt_false(octets), 0x29B1);
+  const std::vector<std::uint8_t> bytes(check.begin(), check.end());
+  EXPECT_EQ(crc16_ccitt_false(bytes), 0x29B1);
   EXPECT_EQ(crc16_ccitt_false({}), 0xFFFF);
 }
 
 TEST(Crc, EqualsTheBitwiseDefinitionAndVanishesOverItself) {
   Rng rng(1, 1);
   for (std::size_t length = 0; length < 300; ++length) {
-    std::vector<std::uint8_t> octets(length);
-    for (std::uint8_t& octet : octets) octet = static_cast<std::uint8_t>(rng.next());
-    const std::uint16_t crc = crc16_ccitt_false(octets);
-    EXPECT_EQ(crc, crc_by_bits(octets));
-    octets.push_back(static_cast<std::uint8_t>(crc >> 8U));
-    octets.push_back(static_cast<std::uint8_t>(crc & 0xFFU));
-    EXPECT_EQ(crc16_ccitt_false(octets), 0);
+    std::vector<std::uint8_t> bytes(length);
+    for (std::uint8_t& byte : bytes) byte = static_cast<std::uint8_t>(rng.next());
+    const std::uint16_t crc = crc16_ccitt_false(bytes);
+    EXPECT_EQ(crc, crc_by_bits(bytes));
+    bytes.push_back(static_cast<std::uint8_t>(crc >> 8U));
+    bytes.push_back(static_cast<std::uint8_t>(crc & 0xFFU));
+    EXPECT_EQ(crc16_ccitt_false(bytes), 0);
   }
 }
 
-TEST(FixedVector, HoldsWhatItsCapacityAllowsAndSaysWhenItIsFull) {
+TEST(FixedVector, HoldsWhatItsCapacityAllowsAndReportsWhenItIsFull) {
   FixedVector<int, 3> v;
   EXPECT_TRUE(v.empty());
   EXPECT_TRUE(v.push_back(1) && v.push_back(2) && v.push_back(3));

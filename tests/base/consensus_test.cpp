@@ -152,7 +152,7 @@ TEST(FindConsensus, MissesHalfOfOutliersAsRarelyAsPromised) {
   for (std::uint64_t seed = 0; seed < kRuns; ++seed) {
     misses += find_line(scene, draws, 0.0, seed).right() ? 0 : 1;
   }
-  // A pair holds inliers only with 100 / 200 * 99 / 199; each draw is made anew.
+  // A pair holds inliers only with 100 / 200 * 99 / 199; each draw is made again.
   const double expected = kRuns * std::pow(1.0 - 100.0 * 99.0 / (200.0 * 199.0), draws);
   EXPECT_NEAR(misses, expected, 4.0 * std::sqrt(expected));
   EXPECT_LT(misses, kMissed * kRuns);

@@ -35,8 +35,8 @@ constexpr int kDraws = 100'000;
 double drawn(Rng* rng, const Case& c) { return c.low + rng->uniform() * (c.high - c.low); }
 
 std::uint32_t added(double result, std::uint32_t digest) {
-  const auto octets = std::bit_cast<std::array<std::uint8_t, sizeof(double)>>(result);
-  return crc32_iso_hdlc(octets, digest);
+  const auto bytes = std::bit_cast<std::array<std::uint8_t, sizeof(double)>>(result);
+  return crc32_iso_hdlc(bytes, digest);
 }
 
 long double precise(double x) { return static_cast<long double>(x); }

@@ -13,7 +13,7 @@
 namespace polhode::sift::blobs_test {
 namespace {
 
-/// Finds blobs in a picture that is given by a formula of the place, everything being on the
+/// Finds blobs in an image that is given by a formula of the place, everything being on the
 /// target.
 struct Found {
   std::unique_ptr<ScaleSpace> space = std::make_unique<ScaleSpace>();
@@ -110,7 +110,7 @@ TEST(FindBlobs, HoldsEachCellSorted_WithTheStrongestOfAFullOneLeft_AndNothingTwi
   EXPECT_GT(full, 0U) << "the picture has to overflow some cell";
 }
 
-TEST(FindBlobs, FindsNothing_OnAPlainPicture_AndInOneTooSmall) {
+TEST(FindBlobs, FindsNothing_OnAPlainImage_AndInOneTooSmall) {
   EXPECT_TRUE(find(64, 64, 0.1F, [](double, double) { return 77.0; }).all().empty());
   EXPECT_TRUE(find(64, 64, 0.1F, [](double x, double y) { return 2.0 * x + y; }).all().empty());
   EXPECT_TRUE(find(8, 200, 0.1F, [](double x, double y) { return x * y; }).all().empty());

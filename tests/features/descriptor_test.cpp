@@ -18,7 +18,7 @@ constexpr int kSide = 121;
 constexpr float kMiddle = 60.0F;
 constexpr float kPi = std::numbers::pi_v<float>;
 
-/// A picture given by a formula of (x, y) about its middle, turned by an angle.
+/// An image given by a formula of (x, y) about its middle, turned by an angle.
 template <typename Formula>
 std::vector<float> draw(double turn_rad, const Formula& formula) {
   std::vector<float> memory(static_cast<std::size_t>(stride_of(kSide) * kSide));
@@ -74,7 +74,7 @@ TEST(SampleGradients, HasTheLengthAndDirectionOfARamp_InTheFrameOfThePatch) {
   }
 }
 
-TEST(SampleGradients, ReadsNothingOutsideThePicture) {
+TEST(SampleGradients, ReadsNothingOutsideTheImage) {
   // On the heap, where the address sanitizer watches.
   auto memory = draw(0.0, waves);
   for (const float x : {0.0F, kSide - 1.0F}) {
@@ -89,7 +89,7 @@ TEST(SampleGradients, ReadsNothingOutsideThePicture) {
   }
 }
 
-TEST(FindOrientations, FollowsThePicture) {
+TEST(FindOrientations, FollowsTheImage) {
   for (int degrees = 0; degrees < 360; degrees += 15) {
     SCOPED_TRACE(degrees);
     auto memory =
@@ -119,7 +119,7 @@ TEST(Describe, IsTheSame_WhateverTheTurnTheSizeAndTheLight) {
   auto memory = draw(0.0, waves);
   const Descriptor upright =
       compute_descriptor(plane_of(&memory), {.x = kMiddle, .y = kMiddle, .sigma_px = 2.0F});
-  // Two views of one spot differ by about 200 in real pictures; bilinear samples of these waves by
+  // Two views of one spot differ by about 200 in real images; bilinear samples of these waves by
   // far less.
   constexpr int kSame2 = 40 * 40;
   for (const double turn_rad : {0.3, 1.0, 2.5, 5.0}) {
@@ -141,7 +141,7 @@ TEST(Describe, IsTheSame_WhateverTheTurnTheSizeAndTheLight) {
             4 * 4);
 }
 
-TEST(Describe, TellsPlacesApart_AndIsZeroWhereNothingIs) {
+TEST(Describe, SeparatesPlaces_AndIsZeroWhereNothingIs) {
   auto memory = draw(0.0, waves);
   const Descriptor here =
       compute_descriptor(plane_of(&memory), {.x = kMiddle, .y = kMiddle, .sigma_px = 2.0F});

@@ -55,7 +55,7 @@ cv::Mat draw(int width, int height, double background, const std::vector<Blob>& 
   return gray;
 }
 
-/// For pictures that are drawn in light.
+/// For images that are drawn in light.
 constexpr FeatureOptions kLinear{.gamma = 1.0};
 
 TargetMask whole(const cv::Mat& gray) {
@@ -121,7 +121,7 @@ void expect_found(const cv::Mat& gray,
   EXPECT_LT((sum / found).norm(), tolerance_px / 3.0);
 }
 
-/// What a camera that answers light with its power 1 / gamma makes of a linear one's picture.
+/// What a camera that answers light with its power 1 / gamma makes of a linear one's image.
 cv::Mat coded(const cv::Mat& light, double gamma) {
   cv::Mat table(1, 256, CV_8UC1);
   for (int level = 0; level < 256; ++level) {
@@ -172,7 +172,7 @@ TEST(DetectFeatures, FindsBlobsAtTheirPlace_ForEachSizeOfBlob) {
   }
 }
 
-TEST(DetectFeatures, FindsBlobsAtTheirPlace_WhenTheRegionIsAPartOfThePicture) {
+TEST(DetectFeatures, FindsBlobsAtTheirPlace_WhenTheRegionIsAPartOfTheImage) {
   Rng rng(22, 0);
   cv::Mat gray = draw(400, 300, 0.0, {});
   const cv::Rect body(101, 67, 203, 151);
@@ -323,7 +323,7 @@ cv::Mat random_texture(int side, std::uint64_t seed) {
 }
 
 // verifies: FEA-02
-TEST(DetectFeatures, MatchesAPictureTurnedByAnyAngle) {
+TEST(DetectFeatures, MatchesAnImageTurnedByAnyAngle) {
   constexpr int kSide = 320;
   const cv::Mat before = random_texture(kSide, 1);
   const auto a = detect(before, whole(before));

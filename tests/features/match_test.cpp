@@ -12,7 +12,7 @@
 namespace polhode::match_test {
 namespace {
 
-// As RootSIFT makes them: octets of norm 512, unrelated ones some 500 to 600 apart.
+// As RootSIFT makes them: bytes of norm 512, unrelated ones some 500 to 600 apart.
 Descriptor random_descriptor(Rng* rng) {
   std::array<double, 128> values{};
   double sum = 0.0;
@@ -71,7 +71,7 @@ TEST(FeatureGrid, FindsWhatASearchThroughAllFinds) {
   auto grid = std::make_unique<FeatureGrid>();
   grid->build(features, kWidth, kHeight);
   for (int trial = 0; trial < 200; ++trial) {
-    // Also about places outside the picture, where predictions may fall.
+    // Also about places outside the image, where predictions may fall.
     const double u = -50.0 + (kWidth + 100.0) * rng.uniform();
     const double v = -50.0 + (kHeight + 100.0) * rng.uniform();
     const double radius = 60.0 * rng.uniform();
@@ -89,7 +89,7 @@ TEST(FeatureGrid, FindsWhatASearchThroughAllFinds) {
   }
 }
 
-TEST(FeatureGrid, FindsFeaturesOnTheEdgesOfThePicture) {
+TEST(FeatureGrid, FindsFeaturesOnTheEdgesOfTheImage) {
   const std::vector<Feature> features{feature_at(0, 0, {}),
                                       feature_at(639.4, 0, {}),
                                       feature_at(0, 479.4, {}),

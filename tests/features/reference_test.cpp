@@ -1,4 +1,4 @@
-// Own features beside OpenCV's SIFT on one pair of pictures: no fewer right matches, placed no
+// Own features beside OpenCV's SIFT on one pair of images: no fewer right matches, placed no
 // worse; and no heap.
 #include <gtest/gtest.h>
 

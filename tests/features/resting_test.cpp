@@ -62,23 +62,23 @@ TEST(LeaveOutResting, LeavesAllWhereNothingRests) {
   EXPECT_EQ(features->size(), 3U);
 }
 
-/// Pictures until a place is forgotten, of which each `every`-th shows it; 0: none does.
-int pictures_until_forgotten(int every, int seen_before = 0) {
+/// Images until a place is dropped, of which each `every`-th shows it; 0: none does.
+int images_until_dropped(int every, int seen_before = 0) {
   RestingPlaces resting = one_place();
-  int pictures = 0;
-  for (; pictures < 1000 && !resting.places.empty(); ++pictures) {
-    const bool seen = pictures < seen_before || (every != 0 && pictures % every == 0);
+  int images = 0;
+  for (; images < 1000 && !resting.places.empty(); ++images) {
+    const bool seen = images < seen_before || (every != 0 && images % every == 0);
     const auto features = seen ? features_at({kWord_px}) : features_at({});
     leave_out_resting(&resting, features.get());
   }
-  return pictures - seen_before;
+  return images - seen_before;
 }
 
-TEST(LeaveOutResting, ForgetsAPlaceAtWhichMostPicturesShowNothing) {
-  EXPECT_EQ(pictures_until_forgotten(0), 10);
-  EXPECT_EQ(pictures_until_forgotten(0, 100), 30) << "hidden for a while after a long time";
-  EXPECT_LT(pictures_until_forgotten(3), 60) << "the body's spots pass there";
-  EXPECT_EQ(pictures_until_forgotten(1), 1000) << "it stays while it is seen";
+TEST(LeaveOutResting, DropsAPlaceAtWhichMostImagesShowNothing) {
+  EXPECT_EQ(images_until_dropped(0), 10);
+  EXPECT_EQ(images_until_dropped(0, 100), 30) << "hidden for a while after a long time";
+  EXPECT_LT(images_until_dropped(3), 60) << "the body's spots pass there";
+  EXPECT_EQ(images_until_dropped(1), 1000) << "it stays while it is seen";
 }
 
 }  // namespace

@@ -14,21 +14,21 @@ namespace polhode::sift::scale_space_test {
 namespace {
 
 /// A plane with memory of its own.
-struct Picture {
+struct OwnedPlane {
   std::vector<float> memory;
   Plane plane;
 };
 
-Picture picture(int width, int height) {
-  Picture p;
+OwnedPlane image(int width, int height) {
+  OwnedPlane p;
   p.memory.resize(static_cast<std::size_t>(stride_of(width) * height));
   p.plane = {.data = p.memory.data(), .width = width, .height = height, .stride = stride_of(width)};
   return p;
 }
 
-Picture noise(int width, int height) {
+OwnedPlane noise(int width, int height) {
   Rng rng(31, 0);
-  Picture p = picture(width, height);
+  OwnedPlane p = image(width, height);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       p.plane.row(y)[x] = static_cast<float>(255.0 * rng.uniform());
@@ -63,8 +63,8 @@ TEST(GaussianKernel, HasSumOne_AndTheVarianceAskedFor) {
 }
 
 TEST(Blur, EqualsTheSumOverAllPairs_WithAMirrorAtTheBorder) {
-  const Picture in = noise(37, 21);
-  const Picture out = picture(37, 21);
+  const OwnedPlane in = noise(37, 21);
+  const OwnedPlane out = image(37, 21);
   const GaussianKernel kernel = gaussian_kernel(2.3);
   const auto scratch = std::make_unique<BlurRow>();
   blur(in.plane, kernel, scratch.get(), out.plane);
@@ -83,9 +83,9 @@ TEST(Blur, EqualsTheSumOverAllPairs_WithAMirrorAtTheBorder) {
   }
 }
 
-TEST(Blur, StandsKernelsThatAreWiderThanThePicture) {
-  const Picture in = noise(5, 1);
-  const Picture out = picture(5, 1);
+TEST(Blur, StandsKernelsThatAreWiderThanTheImage) {
+  const OwnedPlane in = noise(5, 1);
+  const OwnedPlane out = image(5, 1);
   const auto scratch = std::make_unique<BlurRow>();
   blur(in.plane, gaussian_kernel(3.0), scratch.get(), out.plane);
   const auto [least, most] = std::minmax_element(in.memory.begin(), in.memory.begin() + 5);
@@ -125,7 +125,7 @@ TEST(Resample, KeepsPlaces_WhenItEnlarges_AndWhenItReduces) {
   for (const int pixels_max : {700, 2200, 8383, 12000, 400000}) {
     SCOPED_TRACE(pixels_max);
     const WorkingSize size = working_size(region, pixels_max, 2.0);
-    const Picture out = picture(size.width, size.height);
+    const OwnedPlane out = image(size.width, size.height);
     resample(gray, region, light_of_gray(1.0), scratch.get(), out.plane);
     // Three output pixels from the border nothing of the outside is left. In a mean over an area a
     // pixel that is partly covered counts with its centre, up to 1/4 pixel from the covered part's,
@@ -161,7 +161,7 @@ TEST(LightOfGray, UndoesTheCameraThatCodedIt) {
   }
 }
 
-TEST(Resample, GivesBackThePicture_AtItsOwnSize) {
+TEST(Resample, GivesBackTheImage_AtItsOwnSize) {
   Rng rng(32, 0);
   cv::Mat gray(40, 50, CV_8UC1);
   for (int v = 0; v < gray.rows; ++v) {
@@ -172,7 +172,7 @@ TEST(Resample, GivesBackThePicture_AtItsOwnSize) {
   const cv::Rect all(0, 0, 50, 40);
   const WorkingSize size = working_size(all, 2000, 2.0);
   ASSERT_EQ(size.width, 50);
-  const Picture out = picture(50, 40);
+  const OwnedPlane out = image(50, 40);
   const auto scratch = std::make_unique<ResampleScratch>();
   resample(gray, all, light_of_gray(1.0), scratch.get(), out.plane);
   for (int v = 0; v < 40; ++v) {

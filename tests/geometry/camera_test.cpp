@@ -62,7 +62,7 @@ TEST(Camera, DistortsAsTheRadialTangentialModelSays) {
   EXPECT_NEAR(pixel.y(), 2650.0 * 0.0986575 + 539.5, 1e-9);
 }
 
-TEST(Camera, UndistortUndoesProjectOverTheWholePicture) {
+TEST(Camera, UndistortUndoesProjectOverTheWholeImage) {
   const CameraModel model = camera();
   for (double v = 0.0; v < model.height_px; v += 107.0) {
     for (double u = 0.0; u < model.width_px; u += 191.0) {

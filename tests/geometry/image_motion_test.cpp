@@ -41,8 +41,8 @@ MovingPoint moving(const Eigen::Vector3d& p_T) {
           .velocity_per_s = (after - before) / (2.0 * kStep_s)};
 }
 
-/// Points on the ball's near side, not at its rim.
-std::vector<Eigen::Vector3d> near_side(int count, std::uint64_t seed) {
+/// Points on the ball's near face, not at its rim.
+std::vector<Eigen::Vector3d> near_face(int count, std::uint64_t seed) {
   Rng rng(seed, 0);
   std::vector<Eigen::Vector3d> points;
   while (static_cast<int>(points.size()) < count) {
@@ -80,21 +80,21 @@ double worst_error(const ImageMotion& motion, const std::vector<MovingPoint>& po
 }
 
 TEST(ImageMotion, OfATurningBallIsKnownToATenthWhereItIsNotItsRim) {
-  const auto points = moving(near_side(200, 1));
-  const auto others = moving(near_side(200, 2));
+  const auto points = moving(near_face(200, 1));
+  const auto others = moving(near_face(200, 2));
   EXPECT_LT(worst_error(fit_image_motion(points), others), 0.1 * fastest(points));
 }
 
 TEST(ImageMotion, IsNotDraggedByAFifthOfWrongPoints) {
-  auto points = moving(near_side(200, 1));
+  auto points = moving(near_face(200, 1));
   const ImageMotion clean = fit_image_motion(points);
   Rng rng(3, 0);
   for (std::size_t i = 0; i < points.size(); i += 5) {
     points[i].velocity_per_s += Eigen::Vector2d(0.1 + 0.1 * rng.normal(), 0.1 * rng.normal());
   }
   EXPECT_LT(
-      worst_error(fit_image_motion(points), moving(near_side(200, 2))),
-      worst_error(clean, moving(near_side(200, 2))) + 0.02 * fastest(moving(near_side(9, 1))));
+      worst_error(fit_image_motion(points), moving(near_face(200, 2))),
+      worst_error(clean, moving(near_face(200, 2))) + 0.02 * fastest(moving(near_face(9, 1))));
 }
 
 TEST(ImageMotion, OfFewPointsIsTheirMean) {
@@ -116,7 +116,7 @@ TEST(ImageMotion, OfPointsOnALineIsFinite) {
 }
 
 TEST(ImageMotion, GoesOnAsAtTheRimOfItsPoints) {
-  const auto points = moving(near_side(200, 1));
+  const auto points = moving(near_face(200, 1));
   const ImageMotion motion = fit_image_motion(points);
   const Eigen::Vector2d rim = motion.centre + motion.reach;
   EXPECT_EQ(velocity_at(motion, rim), velocity_at(motion, rim + Eigen::Vector2d(3.0, 5.0)));
@@ -124,13 +124,13 @@ TEST(ImageMotion, GoesOnAsAtTheRimOfItsPoints) {
 
 TEST(AtFrameTime, PutsAPointWhereItWasInTheMiddleRowsTime) {
   const CameraModel rolling = camera();
-  const auto points = near_side(200, 1);
+  const auto points = near_face(200, 1);
   const ImageMotion motion = fit_image_motion(moving(points));
   double before_px = 0.0;
   double after_px = 0.0;
-  for (const Eigen::Vector3d& p : near_side(100, 2)) {
+  for (const Eigen::Vector3d& p : near_face(100, 2)) {
     Eigen::Vector2d pixel = project_px(rolling, point_C(p, 0.0));
-    for (int i = 0; i < 5; ++i) {  // the row says when it is seen, and the other way round
+    for (int i = 0; i < 5; ++i) {  // the row indicates when it is seen, and the other way round
       pixel = project_px(rolling, point_C(p, row_delay_s(rolling, pixel.y())));
     }
     const Eigen::Vector2d right = point_C(p, 0.0).hnormalized();
@@ -146,7 +146,7 @@ TEST(AtFrameTime, PutsAPointWhereItWasInTheMiddleRowsTime) {
 TEST(AtFrameTime, IsUndistortWhereAllRowsAreOfOneTime) {
   CameraModel global = camera();
   global.line_time_s = 0.0;
-  const ImageMotion motion = fit_image_motion(moving(near_side(200, 1)));
+  const ImageMotion motion = fit_image_motion(moving(near_face(200, 1)));
   const Eigen::Vector2d pixel(100.3, 400.7);
   EXPECT_EQ(at_frame_time(global, motion, pixel), undistort(global, pixel));
 }

@@ -11,7 +11,7 @@
 namespace polhode::image_test {
 namespace {
 
-TEST(ImportFrame, CopiesEveryPixel_WhenRowsAreLongerThanThePicture) {
+TEST(ImportFrame, CopiesEveryPixel_WhenRowsAreLongerThanTheImage) {
   constexpr int kWidth = 7;
   constexpr int kHeight = 5;
   constexpr int kStride = 11;
@@ -25,7 +25,7 @@ TEST(ImportFrame, CopiesEveryPixel_WhenRowsAreLongerThanThePicture) {
   }
   cv::Mat gray;
   import_frame(
-      {.data = memory.data(), .width_px = kWidth, .height_px = kHeight, .stride_octets = kStride},
+      {.data = memory.data(), .width_px = kWidth, .height_px = kHeight, .stride_bytes = kStride},
       &gray);
   ASSERT_EQ(gray.type(), CV_8UC1);
   ASSERT_EQ(gray.size(), cv::Size(kWidth, kHeight));
@@ -37,7 +37,7 @@ TEST(ImportFrame, CopiesEveryPixel_WhenRowsAreLongerThanThePicture) {
   }
 }
 
-TEST(ImportFrame, KeepsTheUpperOctet_WhenPixelsHave16Bits_AtAnyAlignment) {
+TEST(ImportFrame, KeepsTheUpperByte_WhenPixelsHave16Bits_AtAnyAlignment) {
   const std::vector<std::uint16_t> values{0x0000, 0x00FF, 0x0100, 0x7F80, 0xFF00, 0xFFFF};
   constexpr int kWidth = 3;
   constexpr std::size_t kStride = 9;  // odd: the second row's pixels are not aligned
@@ -49,7 +49,7 @@ TEST(ImportFrame, KeepsTheUpperOctet_WhenPixelsHave16Bits_AtAnyAlignment) {
   import_frame({.data = memory.data(),
                 .width_px = kWidth,
                 .height_px = 2,
-                .stride_octets = kStride,
+                .stride_bytes = kStride,
                 .format = PixelFormat::kGray16},
                &gray);
   for (std::size_t i = 0; i < values.size(); ++i) {
@@ -61,7 +61,7 @@ TEST(ImportFrame, KeepsTheUpperOctet_WhenPixelsHave16Bits_AtAnyAlignment) {
 TEST(ImportFrame, OwnsItsPixels_SoThatTheCameraMayReuseTheMemory) {
   std::vector<std::uint8_t> memory(16, 10);
   cv::Mat gray;
-  const ImageView view{.data = memory.data(), .width_px = 4, .height_px = 4, .stride_octets = 4};
+  const ImageView view{.data = memory.data(), .width_px = 4, .height_px = 4, .stride_bytes = 4};
   import_frame(view, &gray);
   const std::uint8_t* first = gray.data;
   std::fill(memory.begin(), memory.end(), std::uint8_t{20});

@@ -1,4 +1,4 @@
-// Pictures of a sensor, made up.
+// Images of a sensor, made up.
 #pragma once
 
 #include <cstdint>
@@ -6,7 +6,7 @@
 
 #include "base/rng.hpp"
 
-namespace polhode::pictures {
+namespace polhode::images {
 
 inline cv::Mat constant(int width, int height, int level) {
   cv::Mat gray(height, width, CV_8UC1);
@@ -17,9 +17,9 @@ inline cv::Mat constant(int width, int height, int level) {
 inline constexpr int kWidth = 160;
 inline constexpr int kHeight = 120;
 
-/// A sensor's picture of a body before black space: a smooth texture, shifted by `shift_px`, with
+/// A sensor's image of a body before black space: a smooth texture, shifted by `shift_px`, with
 /// noise of its own.
-inline cv::Mat picture(int shift_px, std::uint64_t seed) {
+inline cv::Mat image(int shift_px, std::uint64_t seed) {
   cv::Mat gray(kHeight, kWidth, CV_8UC1);
   Rng rng(seed, 0);
   for (int v = 0; v < kHeight; ++v) {
@@ -34,4 +34,4 @@ inline cv::Mat picture(int shift_px, std::uint64_t seed) {
   return gray;
 }
 
-}  // namespace polhode::pictures
+}  // namespace polhode::images

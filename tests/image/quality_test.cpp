@@ -12,9 +12,9 @@
 namespace polhode::quality_test {
 namespace {
 
-using namespace pictures;
+using namespace images;
 
-TEST(MeasureLevels, CallsABlackPictureDark_AndABrightOneNot) {
+TEST(MeasureLevels, CallsABlackImageDark_AndABrightOneNot) {
   EXPECT_TRUE(measure_levels(constant(64, 48, 0), {}).dark);
   EXPECT_FALSE(measure_levels(constant(64, 48, 128), {}).dark);
   EXPECT_DOUBLE_EQ(measure_levels(constant(64, 48, 51), {}).bright_level, 0.2);
@@ -38,7 +38,7 @@ TEST(MeasureLevels, StaysDark_WhenOnlyAFewHotPixelsShine) {
   EXPECT_DOUBLE_EQ(measure_levels(target, {}).bright_level, 200.0 / 255.0);
 }
 
-TEST(MeasureLevels, SeesASmallTarget_HoweverLargeThePictureIs) {
+TEST(MeasureLevels, SeesASmallTarget_HoweverLargeTheImageIs) {
   for (const cv::Size size : {cv::Size(1920, 1080), cv::Size(8192, 5460)}) {
     cv::Mat gray(size, CV_8UC1, cv::Scalar(0));
     gray(cv::Rect(700, 500, 35, 50)).setTo(200);  // a body of 70 px, half of it lit
@@ -71,7 +71,7 @@ TEST(MeasureLevels, CountsAllSaturatedPixels_WhenTheyHaveDifferentLevels) {
   EXPECT_DOUBLE_EQ(measure_levels(gray, {}).saturated_fraction, 0.5);
 }
 
-TEST(MeasureLevels, LooksOnlyAtThePicture_WhenItIsAPartOfALargerOne) {
+TEST(MeasureLevels, LooksOnlyAtTheImage_WhenItIsAPartOfALargerOne) {
   cv::Mat whole = constant(64, 64, 255);
   cv::Mat part = whole(cv::Rect(10, 10, 20, 20));
   part.setTo(0);
@@ -87,7 +87,7 @@ TEST(MeasureLevels, MeasuresWhatIsLit) {
   EXPECT_DOUBLE_EQ(measure_levels(gray, {}).mean_level, 0.1 * 80.0 / 255.0);
 }
 
-/// Of a picture with nothing before it.
+/// Of an image with nothing before it.
 BitErrorTraces traces_of(const cv::Mat& gray) {
   QualityHistory history;
   return find_bit_errors(gray, &history);
@@ -103,7 +103,7 @@ TEST(FindBitErrors, CountsEachFlippedPixel_WhateverItsColumn) {
 }
 
 TEST(FindBitErrors, CountsEachFlippedPixel_OfAWideRow) {
-  constexpr int kFlips = 260;  // sixteen columns apart: more than an octet counts
+  constexpr int kFlips = 260;  // sixteen columns apart: more than a byte counts
   cv::Mat gray = constant(16 * kFlips + 2, 40, 100);
   for (int i = 0; i < kFlips; ++i) {
     gray.at<std::uint8_t>(17, 1 + 16 * i) = 100 ^ 0x80;
@@ -156,7 +156,7 @@ TEST(FindBitErrors, CountsALineOnce_ThatStaysWhereItIs) {
   EXPECT_EQ(find_bit_errors(crossed, &history).lines, 1) << "forgotten";
 }
 
-TEST(FindBitErrors, CountsNoTile_WhereTheLastGoodPictureWasNearlyAsRough) {
+TEST(FindBitErrors, CountsNoTile_WhereTheLastGoodImageWasNearlyAsRough) {
   Rng rng(7, 0);
   const auto grained = [&](std::uint32_t levels) {
     cv::Mat gray = constant(160, 160, 60);
@@ -177,7 +177,7 @@ TEST(FindBitErrors, CountsNoTile_WhereTheLastGoodPictureWasNearlyAsRough) {
   EXPECT_EQ(find_bit_errors(grained(150), &history).rough_tiles, 4);
 }
 
-TEST(FindBitErrors, TakesPicturesOfAnySize) {
+TEST(FindBitErrors, TakesImagesOfAnySize) {
   for (int side = 1; side < 40; ++side) {
     const BitErrorTraces traces = traces_of(constant(side, 40 - side, 100));
     EXPECT_EQ(traces.impulse_fraction, 0.0);
@@ -197,14 +197,14 @@ RepeatedRows compare_with(const cv::Mat& now,
 }
 
 TEST(CompareRows, CountsNothing_WithoutAFrameBefore_OrWhereRowsAreBlank) {
-  EXPECT_EQ(compare_with(picture(0, 1), cv::Mat()).fresh, 0);
+  EXPECT_EQ(compare_with(image(0, 1), cv::Mat()).fresh, 0);
   const RepeatedRows blank = compare_with(constant(80, 60, 0), constant(80, 60, 0));
   EXPECT_EQ(blank.repeated + blank.fresh, 0);
 }
 
 TEST(CompareRows, CountsRowsOfTheFrameBefore) {
-  const cv::Mat before = picture(0, 1);
-  cv::Mat now = picture(1, 2);
+  const cv::Mat before = image(0, 1);
+  cv::Mat now = image(1, 2);
   EXPECT_EQ(compare_with(now, before).repeated, 0);
   before.rowRange(0, 50).copyTo(now.rowRange(0, 50));
   const RepeatedRows rows = compare_with(now, before);
@@ -215,7 +215,7 @@ TEST(CompareRows, CountsRowsOfTheFrameBefore) {
 
 TEST(CompareRows, CountsTheRestOfAWhiteOrBlackFrame_WhereThereWasSomethingElse) {
   for (const int level : {0, 255}) {
-    cv::Mat good = picture(0, 1);
+    cv::Mat good = image(0, 1);
     good += cv::Scalar(60);  // something in every row
     const cv::Mat before = constant(kWidth, kHeight, level);
     cv::Mat now = good.clone();

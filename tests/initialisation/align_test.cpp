@@ -22,7 +22,7 @@ const CameraModel kCamera{
 class AlignTracks : public ::testing::Test {
  protected:
   void SetUp() override {
-    pictures_->camera = kCamera;
+    images_->camera = kCamera;
     for (std::size_t f = 0; f < kFrames; ++f) {
       const double along = static_cast<double>(f) - 3.0;
       views_[f].affine << 1.0 - 0.02 * along, 0.02 * along, -0.03 * along, 1.0 + 0.01 * along;
@@ -31,8 +31,8 @@ class AlignTracks : public ::testing::Test {
       const cv::Mat gray = textured_view::render(views_[f], f + 1);
       const std::vector<Feature> corners = {{.u_px = 0.0F, .v_px = 0.0F},
                                             {.u_px = 119.0F, .v_px = 99.0F}};
-      keep_crop(gray, static_cast<std::uint32_t>(f), corners, &pictures_->crops);
-      pictures_->crop_of[f] = static_cast<std::int8_t>(f);
+      keep_crop(gray, static_cast<std::uint32_t>(f), corners, &images_->crops);
+      images_->crop_of[f] = static_cast<std::int8_t>(f);
     }
     for (int y = 0; y < 5; ++y) {
       for (int x = 0; x < 6; ++x) {
@@ -42,9 +42,9 @@ class AlignTracks : public ::testing::Test {
   }
   /// Detected in the frames of a mask.
   void add_track(const Eigen::Vector2d& on_surface, std::uint32_t frames) {
-    TrackPlaces& places = pictures_->places[tracks_.size()];
+    TrackPlaces& places = images_->places[tracks_.size()];
     places.frames = frames;
-    StartTrack track;
+    InitialTrack track;
     for (std::size_t f = 0; f < kFrames; ++f) {
       if (!places.has(f)) {
         continue;
@@ -59,21 +59,21 @@ class AlignTracks : public ::testing::Test {
     tracks_.push_back(track);
     spots_.push_back(on_surface);
   }
-  void align() { align_tracks(*pictures_, kFrames, tracks_, workspace_.get()); }
+  void align() { align_tracks(*images_, kFrames, tracks_, workspace_.get()); }
   /// RMS of a coordinate of observations from the spot that the middle view shows, px.
   [[nodiscard]] double noise_px() const {
     double squares = 0.0;
     int count = 0;
-    for (const StartTrack& track : tracks_) {
+    for (const InitialTrack& track : tracks_) {
       if (track.observations.empty()) {
         continue;
       }
-      const StartObservation& middle = track.observations[track.observations.size() / 2];
+      const InitialObservation& middle = track.observations[track.observations.size() / 2];
       const View& view = views_[static_cast<std::size_t>(middle.frame)];
       const Eigen::Vector2d spot =
           view.affine.inverse() *
           (project_px(kCamera, Eigen::Vector2d(middle.normalised)) - view.shift_px);
-      for (const StartObservation& o : track.observations) {
+      for (const InitialObservation& o : track.observations) {
         squares += (project_px(kCamera, Eigen::Vector2d(o.normalised)) -
                     views_[static_cast<std::size_t>(o.frame)].place(spot))
                        .squaredNorm();
@@ -83,9 +83,9 @@ class AlignTracks : public ::testing::Test {
     return std::sqrt(squares / count);
   }
   std::array<View, kFrames> views_;
-  std::unique_ptr<StartPictures> pictures_ = std::make_unique<StartPictures>();
+  std::unique_ptr<InitialImages> images_ = std::make_unique<InitialImages>();
   std::unique_ptr<AlignmentWorkspace> workspace_ = std::make_unique<AlignmentWorkspace>();
-  std::vector<StartTrack> tracks_;
+  std::vector<InitialTrack> tracks_;
   std::vector<Eigen::Vector2d> spots_;
   Rng rng_{5, 0};
 };
@@ -94,9 +94,9 @@ TEST_F(AlignTracks, TakesThreeQuartersOfTheNoiseAway) {
   ASSERT_GT(noise_px(), kDetection_px);
   align();
   EXPECT_LT(noise_px(), 0.25 * kDetection_px);
-  for (const StartTrack& track : tracks_) {
+  for (const InitialTrack& track : tracks_) {
     EXPECT_GE(track.observations.size(), kFrames - 1);
-    for (const StartObservation& o : track.observations) {
+    for (const InitialObservation& o : track.observations) {
       EXPECT_LT(o.sigma_normalised * kCamera.focal_px(), 0.5 * kDetection_px);
     }
   }
@@ -118,7 +118,7 @@ TEST_F(AlignTracks, TracksOfOneSpotBecomeOne) {
 }
 
 TEST_F(AlignTracks, DropsAWrongMatch) {
-  TrackPlaces& places = pictures_->places[8];
+  TrackPlaces& places = images_->places[8];
   places.px[1] += Eigen::Vector2f(5.0F, -4.0F);
   tracks_[8].observations[1].normalised = undistort(kCamera, places.px[1].cast<double>());
   align();
@@ -126,9 +126,9 @@ TEST_F(AlignTracks, DropsAWrongMatch) {
   EXPECT_EQ(tracks_[8].observations[1].frame, 2);
 }
 
-TEST_F(AlignTracks, WithoutAPictureObservationsStayAsTheyWereDetected) {
-  const StartTrack before = tracks_[8];
-  pictures_->crop_of.fill(-1);
+TEST_F(AlignTracks, WithoutAnImageObservationsStayAsTheyWereDetected) {
+  const InitialTrack before = tracks_[8];
+  images_->crop_of.fill(-1);
   align();
   ASSERT_EQ(tracks_[8].observations.size(), kFrames);
   for (std::size_t i = 0; i < kFrames; ++i) {
@@ -139,12 +139,12 @@ TEST_F(AlignTracks, WithoutAPictureObservationsStayAsTheyWereDetected) {
 TEST_F(AlignTracks, WhereNothingWasDetectedRowsTimesAreThoseOfTheMiddleView) {
   add_track({32.0, 29.0}, 0b0010110U);
   const Eigen::Vector2d shift(0.01, -0.02);
-  for (StartObservation& o : tracks_.back().observations) {
+  for (InitialObservation& o : tracks_.back().observations) {
     o.normalised += shift;
   }
   align();
   ASSERT_EQ(tracks_.back().observations.size(), kFrames);
-  const StartObservation& first = tracks_.back().observations[0];
+  const InitialObservation& first = tracks_.back().observations[0];
   const Eigen::Vector2d seen_px = project_px(kCamera, Eigen::Vector2d(first.normalised - shift));
   EXPECT_LT((seen_px - views_[0].place({32.0, 29.0})).norm(), 3.0 * kDetection_px);
 }

@@ -5,12 +5,12 @@
 #include <memory>
 
 #include "initialisation/initialise.hpp"
-#include "synthetic/start_scenarios.hpp"
+#include "synthetic/initial_scenarios.hpp"
 
 namespace polhode::at_rest_test {
 namespace {
 
-using synthetic::StartScenario;
+using synthetic::InitialScenario;
 
 struct Passage {
   int frames = 8;
@@ -23,10 +23,10 @@ struct Passage {
 };
 
 /// A box of about a metre that passes a camera.
-StartScenario passing_box(const Passage& passage, std::uint64_t seed) {
+InitialScenario passing_box(const Passage& passage, std::uint64_t seed) {
   const double kRange_m = passage.range_m;
   Rng rng(seed, 5);
-  StartScenario s;
+  InitialScenario s;
   const synthetic::Body body = synthetic::box(passage.points, {0.3, 0.4, 0.5}, &rng);
   synthetic::ConstantTurn turn{.frames = passage.frames,
                                .turn_rad = passage.turn_deg * synthetic::detail::kDegree,
@@ -42,11 +42,11 @@ StartScenario passing_box(const Passage& passage, std::uint64_t seed) {
   return s;
 }
 
-StartOutcome run(const StartScenario& s, std::uint64_t seed) {
-  static const auto workspace = std::make_unique<StartWorkspace>();
-  const std::vector<StartTrack> tracks = synthetic::to_start_tracks(s.tracks, s.sigma_normalised);
+InitialOutcome run(const InitialScenario& s, std::uint64_t seed) {
+  static const auto workspace = std::make_unique<InitialWorkspace>();
+  const std::vector<InitialTrack> tracks = synthetic::to_start_tracks(s.tracks, s.sigma_normalised);
   return select_hypothesis({.times_s = s.motion.times_s, .tracks = tracks, .seed = seed},
-                           StartOptions{},
+                           InitialOptions{},
                            workspace.get());
 }
 
@@ -54,8 +54,8 @@ StartOutcome run(const StartScenario& s, std::uint64_t seed) {
 int at_rest(const Passage& passage) {
   int count = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    const StartOutcome out = run(passing_box(passage, seed), seed);
-    count += out.decision == StartDecision::kCommit && out.rotation_rad < 1e-9 ? 1 : 0;
+    const InitialOutcome out = run(passing_box(passage, seed), seed);
+    count += out.decision == InitialDecision::kCommit && out.rotation_rad < 1e-9 ? 1 : 0;
   }
   return count;
 }

@@ -15,7 +15,7 @@ constexpr int kPoints = 60;
 const CameraModel kCamera{
     .width_px = 320, .height_px = 240, .fu_px = 500, .fv_px = 500, .cu_px = 159.5, .cv_px = 119.5};
 
-/// Points of a ball of radius 40 px whose near side is turned by an angle and shifted, each with a
+/// Points of a ball of radius 40 px whose near face is turned by an angle and shifted, each with a
 /// descriptor of its own.
 std::unique_ptr<Features> ball(double turn_rad, double shift_px = 0.0, int points = kPoints) {
   auto features = std::make_unique<Features>();
@@ -87,7 +87,7 @@ TEST_F(CollectFrame, TheProblemHasEveryFrameWithItsTimeAndEveryTrack) {
   (void)show(*ball(0.0));
   (void)show(*ball(0.2));
   (void)show(*ball(0.4));
-  const auto job = std::make_unique<StartJob>();
+  const auto job = std::make_unique<InitialisationJob>();
   pose_problem(kCamera, {}, 7, state_.get(), job.get());
   ASSERT_EQ(job->frame_count, 3U);
   EXPECT_EQ(job->times_s[0], 0.0);
@@ -102,28 +102,28 @@ TEST_F(CollectFrame, TheProblemHasEveryFrameWithItsTimeAndEveryTrack) {
   }
 }
 
-TEST_F(CollectFrame, TheProblemHasThePictureOfEachFrameAboutItsFeatures) {
-  const auto job = std::make_unique<StartJob>();
+TEST_F(CollectFrame, TheProblemHasTheImageOfEachFrameAboutItsFeatures) {
+  const auto job = std::make_unique<InitialisationJob>();
   for (int frame = 0; frame < 3; ++frame) {
     const auto seen = ball(0.2 * frame);
     (void)show(*seen);
     const cv::Mat gray(
         kCamera.height_px, kCamera.width_px, CV_8UC1, cv::Scalar(10.0 * (frame + 1)));
-    keep_crop(gray, second_, seen->view(), &job->pictures.crops);
+    keep_crop(gray, second_, seen->view(), &job->images.crops);
   }
   pose_problem(kCamera, {}, 7, state_.get(), job.get());
   for (int frame = 0; frame < 3; ++frame) {
-    const Crop* const crop = job->pictures.crop(static_cast<std::size_t>(frame));
+    const Crop* const crop = job->images.crop(static_cast<std::size_t>(frame));
     ASSERT_NE(crop, nullptr);
     EXPECT_GT(crop->width, 80);
     EXPECT_LT(crop->width, 120);
     EXPECT_EQ(crop->levels[0], 10 * (frame + 1));
   }
   for (std::size_t t = 0; t < job->track_count; ++t) {
-    for (const StartObservation& o : job->tracks[t].observations) {
+    for (const InitialObservation& o : job->tracks[t].observations) {
       const auto frame = static_cast<std::size_t>(o.frame);
-      ASSERT_TRUE(job->pictures.places[t].has(frame));
-      const Eigen::Vector2d px = job->pictures.places[t].px[frame].cast<double>();
+      ASSERT_TRUE(job->images.places[t].has(frame));
+      const Eigen::Vector2d px = job->images.places[t].px[frame].cast<double>();
       EXPECT_LT((undistort(kCamera, px) - o.normalised).norm() * kCamera.focal_px(), 1e-4);
     }
   }
@@ -132,7 +132,7 @@ TEST_F(CollectFrame, TheProblemHasThePictureOfEachFrameAboutItsFeatures) {
 TEST_F(CollectFrame, BringsRowsOfARollingShutterToTheFramesTime) {
   constexpr double kSpeed_px_s = 40.0;
   CameraModel rolling = kCamera;
-  rolling.line_time_s = 2e-3;  // the picture in half of the time between frames
+  rolling.line_time_s = 2e-3;  // the image in half of the time between frames
   for (int frame = 0; frame < 3; ++frame) {
     auto seen = ball(0.0, kSpeed_px_s * frame);
     for (Feature& f : *seen) {
@@ -156,17 +156,17 @@ TEST_F(CollectFrame, CountsTheFramesThatItHasKeptSinceTheLastProblem) {
   (void)show(*ball(0.2));
   (void)show(*ball(0.2));  // not kept
   EXPECT_EQ(state_->since_asked, 2);
-  const auto job = std::make_unique<StartJob>();
+  const auto job = std::make_unique<InitialisationJob>();
   pose_problem(kCamera, {}, 7, state_.get(), job.get());
   EXPECT_EQ(state_->since_asked, 0);
 }
 
 TEST_F(CollectFrame, ASkippedSelectionCommitsToNothing) {
-  const auto job = std::make_unique<StartJob>();
-  job->outcome.decision = StartDecision::kCommit;
+  const auto job = std::make_unique<InitialisationJob>();
+  job->outcome.decision = InitialDecision::kCommit;
   job->outcome.crowded = true;
-  skip_start(job.get());
-  EXPECT_EQ(job->outcome.decision, StartDecision::kTooFewTracks);
+  skip_initialisation(job.get());
+  EXPECT_EQ(job->outcome.decision, InitialDecision::kTooFewTracks);
   EXPECT_FALSE(job->outcome.crowded);
 }
 
@@ -181,7 +181,7 @@ class PoseProblem : public ::testing::Test {
       frame.timestamp_ns = static_cast<std::int64_t>(at) * 1'000'000'000;
       frame.features.resize(1);
       frame.features[0].sigma_px = 0.5F;
-      // The frame's number: it tells which frame an observation is from.
+      // The frame's number: it shows which frame an observation is from.
       frame.features[0].normalised = {static_cast<double>(at), 0.0};
     }
   }
@@ -195,12 +195,12 @@ class PoseProblem : public ::testing::Test {
       ASSERT_TRUE(state_->tracks.tracks.push_back(track));
     }
   }
-  const StartJob& pose(int frames_min = 5) {
+  const InitialisationJob& pose(int frames_min = 5) {
     pose_problem(kCamera, {.frames_min = frames_min}, 7, state_.get(), job_.get());
     return *job_;
   }
   std::unique_ptr<InitialisationState> state_ = std::make_unique<InitialisationState>();
-  std::unique_ptr<StartJob> job_ = std::make_unique<StartJob>();
+  std::unique_ptr<InitialisationJob> job_ = std::make_unique<InitialisationJob>();
 };
 
 TEST_F(PoseProblem, IsOfTheNewestFramesThatEnoughTracksSpan_AndOfAllInTurns) {
@@ -230,7 +230,7 @@ TEST_F(PoseProblem, CountsItsFramesFromItsFirst) {
   EXPECT_EQ(job_->tracks[50].observations.size(), 8U);
   EXPECT_EQ(job_->tracks[51].observations.size(), 0U);
   for (std::size_t t = 0; t < job_->track_count; ++t) {
-    for (const StartObservation& o : job_->tracks[t].observations) {
+    for (const InitialObservation& o : job_->tracks[t].observations) {
       EXPECT_EQ(o.normalised.x(), o.frame + 4.0);
     }
   }
@@ -278,14 +278,14 @@ TEST_F(PoseProblem, SaysThatAFeatureIsLessSure_TheMoreItsLookHasChanged) {
   (void)pose();
   const double factor[] = {1.0, 1.0, 2.25};
   for (std::size_t t = 0; t < 3; ++t) {
-    for (const StartObservation& o : job_->tracks[t].observations) {
+    for (const InitialObservation& o : job_->tracks[t].observations) {
       EXPECT_DOUBLE_EQ(o.sigma_normalised, factor[t] * sigma) << t;
     }
   }
 }
 
 TEST_F(PoseProblem, IsWantedWithEveryFrame_AndMoreSeldomWithMany) {
-  const StartOptions options{.frames_min = 5};
+  const InitialOptions options{.frames_min = 5};
   const auto wanted_after = [&] {
     int since = 0;
     for (state_->since_asked = 0; !wants_selection(options, *state_); ++state_->since_asked) {

@@ -14,10 +14,10 @@ namespace polhode::core_test {
 namespace {
 
 /// Tracks in the frames first .. first + length - 1.
-void add_tracks(int count, int first, int length, std::vector<StartTrack>* tracks) {
+void add_tracks(int count, int first, int length, std::vector<InitialTrack>* tracks) {
   Rng rng(32, tracks->size());
   for (int i = 0; i < count; ++i) {
-    StartTrack track;
+    InitialTrack track;
     for (int f = first; f < first + length; ++f) {
       (void)track.observations.push_back({.frame = f,
                                           .normalised = {0.01 * rng.normal(), 0.01 * rng.normal()},
@@ -29,14 +29,14 @@ void add_tracks(int count, int first, int length, std::vector<StartTrack>* track
 
 struct Chosen {
   std::unique_ptr<SelectionSet> set = std::make_unique<SelectionSet>();
-  std::vector<StartTrack> tracks;
+  std::vector<InitialTrack> tracks;
   std::vector<double> times_s;
 
-  Chosen(std::vector<StartTrack> of, int frames) : tracks(std::move(of)) {
+  Chosen(std::vector<InitialTrack> of, int frames) : tracks(std::move(of)) {
     times_s.assign(static_cast<std::size_t>(frames), 0.0);
     EXPECT_TRUE(choose_selection_set(problem(), set.get()));
   }
-  [[nodiscard]] StartProblem problem() const { return {.times_s = times_s, .tracks = tracks}; }
+  [[nodiscard]] InitialProblem problem() const { return {.times_s = times_s, .tracks = tracks}; }
   [[nodiscard]] std::size_t length_of(int track) const {
     return tracks[static_cast<std::size_t>(track)].observations.size();
   }
@@ -65,7 +65,7 @@ void expect_consistent(const Chosen& c) {
 }
 
 TEST(SelectionSet, TakesEveryTrackOfThreeImages_WhereThereIsRoom) {
-  std::vector<StartTrack> tracks;
+  std::vector<InitialTrack> tracks;
   add_tracks(60, 0, 6, &tracks);
   add_tracks(70, 0, 4, &tracks);
   add_tracks(70, 3, 3, &tracks);
@@ -77,7 +77,7 @@ TEST(SelectionSet, TakesEveryTrackOfThreeImages_WhereThereIsRoom) {
 }
 
 TEST(SelectionSet, TakesNoTrackOfTwoImages_BeyondTheQuotaOfAFrame) {
-  std::vector<StartTrack> tracks;
+  std::vector<InitialTrack> tracks;
   add_tracks(200, 0, 2, &tracks);
   add_tracks(100, 0, 6, &tracks);
   add_tracks(1, 4, 1, &tracks);
@@ -90,7 +90,7 @@ TEST(SelectionSet, TakesNoTrackOfTwoImages_BeyondTheQuotaOfAFrame) {
 
 TEST(SelectionSet, FillsUpWithTheLongestTracks) {
   const int of_each = static_cast<int>(limits::kSelectionTracks) / 2 + 40;
-  std::vector<StartTrack> tracks;
+  std::vector<InitialTrack> tracks;
   add_tracks(of_each, 0, 4, &tracks);
   add_tracks(of_each, 0, 5, &tracks);
   const Chosen c(tracks, 5);
@@ -100,24 +100,24 @@ TEST(SelectionSet, FillsUpWithTheLongestTracks) {
 }
 
 TEST(SelectionSet, KeepsToItsObservations) {
-  const auto frames = static_cast<int>(limits::kStartFrames);
-  std::vector<StartTrack> tracks;
+  const auto frames = static_cast<int>(limits::kInitialFrames);
+  std::vector<InitialTrack> tracks;
   add_tracks(static_cast<int>(limits::kSelectionTracks), 0, frames / 2, &tracks);
   const Chosen c(tracks, frames / 2);
   expect_consistent(c);
   EXPECT_FALSE(c.set->tracks.full());
   EXPECT_LE(c.set->observations.size(), kSelectionObservations);
-  EXPECT_GT(c.set->observations.size(), kSelectionObservations - limits::kStartFrames);
+  EXPECT_GT(c.set->observations.size(), kSelectionObservations - limits::kInitialFrames);
 }
 
 TEST(SelectionSet, HasTheTracksOfItsCoresFirst_ForTheExtension) {
-  std::vector<StartTrack> tracks;
+  std::vector<InitialTrack> tracks;
   add_tracks(300, 2, 4, &tracks);
   add_tracks(100, 0, 6, &tracks);
   const Chosen c(tracks, 6);
   expect_consistent(c);
   ASSERT_FALSE(c.set->cores.empty());
-  for (const StartCore& core : c.set->cores) {
+  for (const InitialCore& core : c.set->cores) {
     for (const int track : core.tracks) {
       EXPECT_LT(track, static_cast<int>(kExtensionTracks));
     }
@@ -128,7 +128,7 @@ TEST(SelectionSet, HasTheTracksOfItsCoresFirst_ForTheExtension) {
 
 /// `per_frame` tracks begin in each frame and live for `length` frames.
 bool crowded(int frames, int per_frame, int length) {
-  std::vector<StartTrack> tracks;
+  std::vector<InitialTrack> tracks;
   for (int begin = 1 - length; begin < frames; ++begin) {
     const int first = std::max(0, begin);
     add_tracks(per_frame, first, std::min(frames, begin + length) - first, &tracks);

@@ -38,13 +38,13 @@ class Cropped : public ::testing::Test {
  protected:
   const Crop& crop_of(const cv::Mat& gray, const std::vector<Feature>& features) {
     keep_crop(gray, ++frame_, features, crops_.get());
-    return crops_->held[static_cast<std::size_t>(find_crop(frame_, *crops_))];
+    return crops_->kept[static_cast<std::size_t>(find_crop(frame_, *crops_))];
   }
   std::unique_ptr<Crops> crops_ = std::make_unique<Crops>();
   std::uint32_t frame_ = 0;
 };
 
-TEST_F(Cropped, HoldsThePictureAboutTheFeatures) {
+TEST_F(Cropped, HoldsTheImageAboutTheFeatures) {
   const Crop& crop = crop_of(ramp(180, 160), features_at({{50.3F, 60.0F}, {90.0F, 80.5F}}));
   EXPECT_EQ(crop.reduction, 1);
   EXPECT_LT(crop.width, 70);
@@ -53,7 +53,7 @@ TEST_F(Cropped, HoldsThePictureAboutTheFeatures) {
   EXPECT_EQ(level_at(crop, 97, 90), 97);
 }
 
-TEST_F(Cropped, EndsWhereThePictureEnds) {
+TEST_F(Cropped, EndsWhereTheImageEnds) {
   const Crop& crop = crop_of(ramp(60, 40), features_at({{1.0F, 1.0F}, {58.0F, 38.0F}}));
   EXPECT_EQ(crop.width, 60);
   EXPECT_EQ(crop.height, 40);
@@ -67,7 +67,7 @@ TEST_F(Cropped, OfALargeTargetIsReduced_AndPlacesGoThereAndBack) {
             limits::kCropPixels);
   for (const Eigen::Vector2d& place :
        {Eigen::Vector2d(100.0, 200.0), Eigen::Vector2d(733.2, 77.7)}) {
-    EXPECT_LT((crop.to_picture(crop.to_crop(place)) - place).norm(), 1e-9);
+    EXPECT_LT((crop.to_image(crop.to_crop(place)) - place).norm(), 1e-9);
   }
   EXPECT_NEAR(level_at(crop, 150, 300), 150, crop.reduction);
 }
@@ -75,7 +75,7 @@ TEST_F(Cropped, OfALargeTargetIsReduced_AndPlacesGoThereAndBack) {
 TEST_F(Cropped, TheOldestGoesWhenThereIsNoMoreRoom) {
   const auto features = features_at({{20.0F, 20.0F}});
   const cv::Mat gray = ramp(60, 60);
-  for (std::size_t i = 0; i <= limits::kStartFrames; ++i) {
+  for (std::size_t i = 0; i <= limits::kInitialFrames; ++i) {
     (void)crop_of(gray, features);
   }
   EXPECT_EQ(find_crop(1, *crops_), -1);

@@ -6,20 +6,20 @@
 #include <vector>
 
 #include "initialisation/initialise.hpp"
-#include "synthetic/start_scenarios.hpp"
+#include "synthetic/initial_scenarios.hpp"
 
 namespace polhode::decidability_test {
 namespace {
 
 using benchmark::Decidability;
 using synthetic::compare_start;
-using synthetic::make_start_scenario;
-using synthetic::StartFamily;
-using synthetic::StartScenario;
+using synthetic::InitialFamily;
+using synthetic::InitialScenario;
+using synthetic::make_initial_scenario;
 using synthetic::to_start_tracks;
 
-StartWorkspace& workspace() {
-  static const auto w = std::make_unique<StartWorkspace>();
+InitialWorkspace& workspace() {
+  static const auto w = std::make_unique<InitialWorkspace>();
   return *w;
 }
 
@@ -31,9 +31,9 @@ struct View {
 };
 
 /// A box that turns by its corner before the camera; sigmas are as large as the noise.
-StartScenario turning_box(const View& view, std::uint64_t seed) {
+InitialScenario turning_box(const View& view, std::uint64_t seed) {
   Rng rng(seed, 7);
-  StartScenario s;
+  InitialScenario s;
   const synthetic::Body body = synthetic::box(260, {0.3, 0.4, 0.5}, &rng);
   const double range = 0.7 / (view.alpha_deg * synthetic::detail::kDegree);
   synthetic::ConstantTurn turn{.frames = 8, .turn_rad = view.turn_deg * synthetic::detail::kDegree};
@@ -51,8 +51,8 @@ StartScenario turning_box(const View& view, std::uint64_t seed) {
   return s;
 }
 
-Decidability decide(const StartScenario& s) {
-  const std::vector<StartTrack> tracks = to_start_tracks(s.tracks, s.sigma_normalised);
+Decidability decide(const InitialScenario& s) {
+  const std::vector<InitialTrack> tracks = to_start_tracks(s.tracks, s.sigma_normalised);
   return benchmark::decide_by_truth(
       {.times_s = s.motion.times_s, .tracks = tracks, .seed = 1}, s.motion.poses, &workspace());
 }
@@ -76,7 +76,7 @@ TEST(Decidability, FallsWithTheSquareOfTheNoise) {
 }
 
 TEST(Decidability, IsOverTheNoiseThatTheImagesHave_NotThatTheyClaim) {
-  StartScenario s = turning_box({}, 3);
+  InitialScenario s = turning_box({}, 3);
   const Decidability honest = decide(s);
   s.sigma_normalised /= 1.6;
   const Decidability boasting = decide(s);
@@ -92,8 +92,8 @@ TEST(Decidability, LeavesWrongTracksOut) {
 }
 
 TEST(Decidability, IsUnknown_WithoutTracks) {
-  const std::vector<StartTrack> none;
-  const StartScenario s = turning_box({}, 5);
+  const std::vector<InitialTrack> none;
+  const InitialScenario s = turning_box({}, 5);
   EXPECT_FALSE(benchmark::decide_by_truth(
                    {.times_s = s.motion.times_s, .tracks = none}, s.motion.poses, &workspace())
                    .known);
@@ -104,18 +104,18 @@ TEST(Decidability, TellsWhereASelectionCommits) {
   int open = 0;
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     for (const double alpha_deg : {1.0, 10.0}) {
-      const StartScenario s = turning_box({.alpha_deg = alpha_deg, .turn_deg = 25.0}, seed);
+      const InitialScenario s = turning_box({.alpha_deg = alpha_deg, .turn_deg = 25.0}, seed);
       const double margin = decide(s).margin;
-      const std::vector<StartTrack> tracks = to_start_tracks(s.tracks, s.sigma_normalised);
-      const StartOutcome out = select_hypothesis(
+      const std::vector<InitialTrack> tracks = to_start_tracks(s.tracks, s.sigma_normalised);
+      const InitialOutcome out = select_hypothesis(
           {.times_s = s.motion.times_s, .tracks = tracks, .seed = seed}, {}, &workspace());
       // The margin scatters by twice its root.
       if (margin > 100.0) {
-        EXPECT_EQ(out.decision, StartDecision::kCommit) << seed << ": " << margin;
+        EXPECT_EQ(out.decision, InitialDecision::kCommit) << seed << ": " << margin;
         EXPECT_TRUE(compare_start(out, s.tracks, s.motion).right()) << seed;
         ++decided;
       } else if (margin < 4.0) {
-        EXPECT_NE(out.decision, StartDecision::kCommit) << seed << ": " << margin;
+        EXPECT_NE(out.decision, InitialDecision::kCommit) << seed << ": " << margin;
         ++open;
       }
     }

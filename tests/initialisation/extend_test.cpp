@@ -5,24 +5,24 @@
 #include <algorithm>
 
 #include "geometry/so3.hpp"
-#include "solve/start_geometry.hpp"
+#include "solve/initial_geometry.hpp"
 
 namespace polhode::extend_test {
 namespace {
 
-using testing::make_start_geometry;
-using testing::StartGeometry;
+using testing::InitialGeometry;
+using testing::make_initial_geometry;
 
 constexpr int kFrames = 8;
 constexpr int kPoints = 40;
 
 /// The truth of a rotating box, of which frames and points are then taken away.
 struct Known {
-  StartGeometry g;
-  StartHypothesis h;
+  InitialGeometry g;
+  InitialHypothesis h;
 
   explicit Known(double noise = 0.0, std::uint64_t seed = 1)
-      : g(make_start_geometry(
+      : g(make_initial_geometry(
             {.points = kPoints, .frames = kFrames, .extent_over_range = 0.1, .noise = noise},
             seed)) {
     h.frames = kFrames;

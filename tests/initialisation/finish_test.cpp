@@ -8,8 +8,8 @@
 
 #include "initialisation/core.hpp"
 #include "initialisation/selection.hpp"
-#include "solve/start_adjustment.hpp"
-#include "synthetic/start_problem.hpp"
+#include "solve/initial_adjustment.hpp"
+#include "synthetic/initial_problem.hpp"
 
 namespace polhode::finish_test {
 namespace {
@@ -18,16 +18,16 @@ constexpr double kFocal_px = 2667.0;
 constexpr double kNoise_px = 0.5;
 constexpr double kUnknown = 1e300;  // depth sigma of an outcome that has none
 
-StartWorkspace& workspace() {
-  static const auto w = std::make_unique<StartWorkspace>();
+InitialWorkspace& workspace() {
+  static const auto w = std::make_unique<InitialWorkspace>();
   return *w;
 }
 
 struct Start {
   synthetic::Motion motion;
   std::vector<synthetic::Track> truth;
-  std::vector<StartTrack> tracks;
-  StartOptions options;
+  std::vector<InitialTrack> tracks;
+  InitialOptions options;
 
   explicit Start(std::uint64_t seed,
                  int points = 260,
@@ -46,7 +46,7 @@ struct Start {
     tracks = synthetic::to_start_tracks(truth, kNoise_px / kFocal_px);
   }
 
-  [[nodiscard]] StartProblem problem() const {
+  [[nodiscard]] InitialProblem problem() const {
     return {.times_s = motion.times_s, .tracks = tracks};
   }
 
@@ -59,9 +59,9 @@ struct Start {
 
   /// The truth in the gauge of a start, on the tracks of the selection.
   void win() const {
-    StartWorkspace& w = workspace();
+    InitialWorkspace& w = workspace();
     ASSERT_TRUE(choose_selection_set(problem(), &w.set));
-    StartHypothesis h;
+    InitialHypothesis h;
     h.frames = motion.poses.size();
     h.tracks = w.set.tracks.size();
     for (std::size_t f = 0; f < h.frames; ++f) {
@@ -77,9 +77,9 @@ struct Start {
     ASSERT_TRUE(w.refined.push_back(h));
   }
 
-  [[nodiscard]] StartOutcome finish() const {
-    const StartProblem of_all = problem();
-    StartOutcome out;
+  [[nodiscard]] InitialOutcome finish() const {
+    const InitialProblem of_all = problem();
+    InitialOutcome out;
     adjust_all_tracks({.problem = of_all, .options = options}, &workspace(), &out);
     return out;
   }
@@ -88,7 +88,7 @@ struct Start {
 TEST(AdjustAllTracks, GivesEveryTrackItsPointAndEveryFrameItsPose) {
   Start start(1);
   start.win();
-  const StartOutcome out = start.finish();
+  const InitialOutcome out = start.finish();
   ASSERT_EQ(out.points.size(), start.tracks.size());
   ASSERT_EQ(out.frames.size(), 8U);
   ASSERT_GT(start.tracks.size(), 60U);
@@ -96,7 +96,7 @@ TEST(AdjustAllTracks, GivesEveryTrackItsPointAndEveryFrameItsPose) {
     EXPECT_TRUE(out.points[i].valid) << i;
     EXPECT_GE(out.points[i].inliers, 7) << i;  // 3e-4 of good images lie beyond 4 sigma
   }
-  const synthetic::StartErrors errors = synthetic::compare_start(out, start.truth, start.motion);
+  const synthetic::InitialErrors errors = synthetic::compare_start(out, start.truth, start.motion);
   EXPECT_LT(errors.depth, 0.1);
   EXPECT_LT(errors.rotation, 0.1);
   EXPECT_NEAR(out.rotation_rad, 0.6, 0.06);
@@ -109,7 +109,7 @@ TEST(AdjustAllTracks, GivesEveryTrackItsPointAndEveryFrameItsPose) {
 TEST(AdjustAllTracks, IsExactWithoutNoise) {
   Start start(2, 260, 8, 0.0);
   start.win();
-  const synthetic::StartErrors errors =
+  const synthetic::InitialErrors errors =
       synthetic::compare_start(start.finish(), start.truth, start.motion);
   EXPECT_LT(errors.depth, 1e-4);
   EXPECT_LT(errors.rotation, 1e-4);
@@ -120,21 +120,21 @@ TEST(AdjustAllTracks, DropsATrackThatIsWrongInAllFrames) {
   start.win();
   const std::size_t wrong = start.tracks.size() - 1;
   start.displace(wrong, 0, 8);
-  const StartOutcome out = start.finish();
+  const InitialOutcome out = start.finish();
   EXPECT_FALSE(out.points[wrong].valid);
   EXPECT_EQ(out.points[wrong].inliers, 0);
   EXPECT_TRUE(out.points[0].valid);
 }
 
 TEST(AdjustAllTracks, KeepsATrackOfWhichHalfAgreesWithItsPoint) {
-  // The winner knows the points of the selection, however wrong their images.
+  // The winner has the points of the selection, however wrong their images.
   Start start(3);
   start.win();
   const auto mostly_right = static_cast<std::size_t>(workspace().set.tracks[1]);
   const auto mostly_wrong = static_cast<std::size_t>(workspace().set.tracks[2]);
   start.displace(mostly_right, 0, 3);
   start.displace(mostly_wrong, 0, 5);
-  const StartOutcome out = start.finish();
+  const InitialOutcome out = start.finish();
   EXPECT_TRUE(out.points[mostly_right].valid);
   EXPECT_EQ(out.points[mostly_right].inliers, 5);
   EXPECT_FALSE(out.points[mostly_wrong].valid);
@@ -144,9 +144,9 @@ TEST(AdjustAllTracks, KeepsATrackOfWhichHalfAgreesWithItsPoint) {
 TEST(AdjustAllTracks, MakesNoPointOfASingleImage) {
   Start start(4);
   start.win();
-  StartTrack& last = start.tracks.back();
+  InitialTrack& last = start.tracks.back();
   while (last.observations.size() > 1) last.observations.pop_back();
-  const StartOutcome out = start.finish();
+  const InitialOutcome out = start.finish();
   EXPECT_FALSE(out.points[start.tracks.size() - 1].valid);
   EXPECT_EQ(out.points[start.tracks.size() - 1].inliers, 0);
 }
@@ -155,7 +155,7 @@ TEST(AdjustAllTracks, LeavesFramesWithoutAPose) {
   Start start(5);
   start.win();
   workspace().refined[0].posed[4] = 0;
-  const StartOutcome out = start.finish();
+  const InitialOutcome out = start.finish();
   EXPECT_FALSE(out.frames[4].valid);
   EXPECT_TRUE(out.frames[3].valid);
   EXPECT_EQ(out.points[0].inliers, 7);
@@ -164,28 +164,28 @@ TEST(AdjustAllTracks, LeavesFramesWithoutAPose) {
 TEST(AdjustAllTracks, KeepsToTheAdjustmentsCapacity) {
   // 32 frames: 375 tracks fill it.
   Start start(6, 2400, 32);
-  constexpr std::size_t kFit = StartAdjustmentWorkspace::kStartObservations / 32;
+  constexpr std::size_t kFit = InitialAdjustmentWorkspace::kInitialObservations / 32;
   ASSERT_GT(start.tracks.size(), kFit + 50);
   start.win();
-  const StartOutcome out = start.finish();
+  const InitialOutcome out = start.finish();
   std::size_t valid = 0;
-  for (const StartPoint& point : out.points) valid += point.valid ? 1U : 0U;
+  for (const InitialPoint& point : out.points) valid += point.valid ? 1U : 0U;
   EXPECT_GT(valid, kFit - 20);
   // Tracks of the selection are known whether or not their images were taken in.
   EXPECT_LE(valid, kFit + workspace().set.tracks.size());
 }
 
-TEST(AdjustAllTracks, OfAWinnerWithoutPosesSaysNothing) {
+TEST(AdjustAllTracks, OfAWinnerWithoutPosesGivesNothing) {
   Start start(7);
   start.win();
   workspace().refined[0].posed.fill(0);
   workspace().refined[0].known.fill(0);
-  const StartOutcome out = start.finish();
+  const InitialOutcome out = start.finish();
   EXPECT_EQ(out.depth_sigma, kUnknown);
   EXPECT_EQ(out.selection_depth_sigma, kUnknown);
   ASSERT_EQ(out.points.size(), start.tracks.size());
-  for (const StartPoint& point : out.points) EXPECT_FALSE(point.valid);
-  for (const StartFramePose& frame : out.frames) EXPECT_FALSE(frame.valid);
+  for (const InitialPoint& point : out.points) EXPECT_FALSE(point.valid);
+  for (const InitialFramePose& frame : out.frames) EXPECT_FALSE(frame.valid);
 }
 
 }  // namespace

@@ -10,29 +10,29 @@
 
 #include "base/median.hpp"
 #include "geometry/so3.hpp"
-#include "solve/start_adjustment.hpp"
-#include "solve/start_geometry.hpp"
+#include "solve/initial_adjustment.hpp"
+#include "solve/initial_geometry.hpp"
 
 namespace polhode::hypotheses_test {
 namespace {
 
-using testing::make_start_geometry;
-using testing::StartGeometry;
-using testing::StartGeometryOptions;
+using testing::InitialGeometry;
+using testing::InitialGeometryOptions;
+using testing::make_initial_geometry;
 
 /// A core of all frames and tracks.
 struct Seeding {
-  StartGeometry g;
-  StartCore core;
-  std::unique_ptr<StartHypotheses> seeds = std::make_unique<StartHypotheses>();
+  InitialGeometry g;
+  InitialCore core;
+  std::unique_ptr<InitialHypotheses> seeds = std::make_unique<InitialHypotheses>();
 
-  Seeding(const StartGeometryOptions& options, std::uint64_t seed)
-      : g(make_start_geometry(options, seed)) {
+  Seeding(const InitialGeometryOptions& options, std::uint64_t seed)
+      : g(make_initial_geometry(options, seed)) {
     for (int f = 0; f < options.frames; ++f) EXPECT_TRUE(core.frames.push_back(f));
     for (int i = 0; i < options.points; ++i) EXPECT_TRUE(core.tracks.push_back(i));
   }
 
-  const StartHypotheses& seed(std::uint32_t kinds, std::uint64_t draw = 1) {
+  const InitialHypotheses& seed(std::uint32_t kinds, std::uint64_t draw = 1) {
     const SeedProblem problem{.times_s = g.times_s,
                               .observations = g.observations,
                               .selection_tracks = g.points_T.size(),
@@ -44,8 +44,8 @@ struct Seeding {
   }
 
   /// The truth in the gauge of the seeds.
-  StartHypothesis truth() {
-    StartHypothesis h;
+  InitialHypothesis truth() {
+    InitialHypothesis h;
     h.frames = g.poses.size();
     h.tracks = g.points_T.size();
     std::copy(g.poses.begin(), g.poses.end(), h.poses.begin());
@@ -57,7 +57,7 @@ struct Seeding {
   }
 
   /// Distance of a seed's images from the tracks that one in ten exceeds.
-  [[nodiscard]] double image_error(const StartHypothesis& seed) const {
+  [[nodiscard]] double image_error(const InitialHypothesis& seed) const {
     std::vector<double> errors;
     for (const TrackObservation& s : g.observations) {
       Eigen::Vector2d x;
@@ -73,11 +73,11 @@ struct Seeding {
   /// Is the truth among the seeds, or its depth reversal where that is allowed? It explains the
   /// images to `image_tolerance`.
   bool holds_truth(double tolerance, double image_tolerance, bool reversed_too) {
-    const StartHypothesis true_one = truth();
-    StartHypothesis reversed = true_one;
+    const InitialHypothesis true_one = truth();
+    InitialHypothesis reversed = true_one;
     apply_depth_reversal(reversed.view());
     EXPECT_TRUE(normalise_gauge(reversed.view()));
-    for (StartHypothesis seed : *seeds) {
+    for (InitialHypothesis seed : *seeds) {
       if (!normalise_gauge(seed.view()) || image_error(seed) > image_tolerance) continue;
       if (same_geometry(seed, true_one, tolerance) ||
           (reversed_too && same_geometry(seed, reversed, tolerance))) {
@@ -89,8 +89,8 @@ struct Seeding {
 };
 
 /// A body so near that perspective shows, and one so far that it does not.
-constexpr StartGeometryOptions kNear{.extent_over_range = 0.2};
-constexpr StartGeometryOptions kFar{.turn_rad = 0.8, .extent_over_range = 0.01};
+constexpr InitialGeometryOptions kNear{.extent_over_range = 0.2};
+constexpr InitialGeometryOptions kFar{.turn_rad = 0.8, .extent_over_range = 0.01};
 
 // Image errors that are allowed. Two-view solvers are exact on exact tracks. Weak perspective
 // leaves out a body's own depth: chosen, a twentieth of the 0.01 that the distant body subtends.
@@ -100,9 +100,9 @@ constexpr double kWeakPerspective = 5e-4;
 TEST(SeedHypotheses, OfTwoViewsFindTheGeometry_WherePerspectiveShows) {
   for (std::uint64_t draw = 1; draw <= 5; ++draw) {
     Seeding s(kNear, draw);
-    const StartHypotheses& seeds = s.seed(kind_bit(HypothesisKind::kFivePoint), draw);
+    const InitialHypotheses& seeds = s.seed(kind_bit(HypothesisKind::kFivePoint), draw);
     ASSERT_FALSE(seeds.empty()) << draw;
-    for (const StartHypothesis& seed : seeds) EXPECT_EQ(seed.kind, HypothesisKind::kFivePoint);
+    for (const InitialHypothesis& seed : seeds) EXPECT_EQ(seed.kind, HypothesisKind::kFivePoint);
     EXPECT_TRUE(s.holds_truth(0.05, kExact, false)) << draw;
   }
 }
@@ -110,7 +110,7 @@ TEST(SeedHypotheses, OfTwoViewsFindTheGeometry_WherePerspectiveShows) {
 TEST(SeedHypotheses, OfFactorisationFindTheGeometryOfADistantBody_UpToItsDepthsSign) {
   for (std::uint64_t draw = 1; draw <= 5; ++draw) {
     Seeding s(kFar, draw);
-    const StartHypotheses& seeds = s.seed(kind_bit(HypothesisKind::kFactorisation), draw);
+    const InitialHypotheses& seeds = s.seed(kind_bit(HypothesisKind::kFactorisation), draw);
     ASSERT_FALSE(seeds.empty()) << draw;
     EXPECT_LE(seeds.size(), 3U);  // one a regularisation
     EXPECT_TRUE(s.holds_truth(0.15, kWeakPerspective, true)) << draw;
@@ -128,9 +128,9 @@ TEST(SeedHypotheses, OfAConstantRateFindTheGeometry_UpToItsDepthsSign) {
 TEST(SeedHypotheses, OfAHomographyFindAPanel) {
   for (std::uint64_t draw = 1; draw <= 5; ++draw) {
     Seeding s({.extent_over_range = 0.2, .flat = true}, draw);
-    const StartHypotheses& seeds = s.seed(kind_bit(HypothesisKind::kHomography), draw);
+    const InitialHypotheses& seeds = s.seed(kind_bit(HypothesisKind::kHomography), draw);
     ASSERT_FALSE(seeds.empty()) << draw;
-    for (const StartHypothesis& seed : seeds) EXPECT_EQ(seed.kind, HypothesisKind::kHomography);
+    for (const InitialHypothesis& seed : seeds) EXPECT_EQ(seed.kind, HypothesisKind::kHomography);
     EXPECT_TRUE(s.holds_truth(0.05, kExact, false)) << draw;
   }
 }
@@ -139,9 +139,9 @@ TEST(SeedHypotheses, PoseAllFramesOfTheCoreAndNoOther) {
   Seeding s({.frames = 8, .extent_over_range = 0.2}, 3);
   s.core.frames.clear();
   for (const int f : {1, 2, 4, 5}) ASSERT_TRUE(s.core.frames.push_back(f));
-  const StartHypotheses& seeds = s.seed(kAllKinds);
+  const InitialHypotheses& seeds = s.seed(kAllKinds);
   ASSERT_FALSE(seeds.empty());
-  for (const StartHypothesis& seed : seeds) {
+  for (const InitialHypothesis& seed : seeds) {
     EXPECT_EQ(seed.frames, 8U);
     for (std::size_t f = 0; f < 8; ++f) {
       EXPECT_EQ(seed.posed[f] != 0, f == 1 || f == 2 || f == 4 || f == 5) << f;
@@ -157,7 +157,7 @@ TEST(SeedHypotheses, AreOfTheKindsAskedForAlone_AndReplaceWhatWasThere) {
                           HypothesisKind::kHomography,
                           HypothesisKind::kFactorisation,
                           HypothesisKind::kConstantRate}) {
-    for (const StartHypothesis& seed : s.seed(kind_bit(kind))) EXPECT_EQ(seed.kind, kind);
+    for (const InitialHypothesis& seed : s.seed(kind_bit(kind))) EXPECT_EQ(seed.kind, kind);
     of_each += s.seeds->size();
   }
   EXPECT_EQ(of_all, of_each);
@@ -172,9 +172,9 @@ TEST(SeedHypotheses, AreNoneOfTracksWithoutExtent) {
 
 TEST(SameGeometry, NeedsEightPointsInCommon) {
   Seeding s(kNear, 1);
-  const StartHypothesis a = s.truth();
+  const InitialHypothesis a = s.truth();
   EXPECT_TRUE(same_geometry(a, a, 0.0));
-  StartHypothesis b = a;
+  InitialHypothesis b = a;
   std::fill_n(b.known.begin(), b.tracks, std::uint8_t{0});
   std::fill_n(b.known.begin(), 8, std::uint8_t{1});
   EXPECT_TRUE(same_geometry(a, b, 0.1));
@@ -184,13 +184,13 @@ TEST(SameGeometry, NeedsEightPointsInCommon) {
 
 TEST(SameGeometry, ComparesRotationsFromTheFirstFrameThatBothPose) {
   Seeding s(kNear, 1);
-  const StartHypothesis a = s.truth();
-  StartHypothesis turned = a;
+  const InitialHypothesis a = s.truth();
+  InitialHypothesis turned = a;
   for (std::size_t f = 0; f < a.frames; ++f) {
     turned.poses[f].R_CT = a.poses[f].R_CT * so3_exp({0.0, 0.0, 0.3});
   }
-  StartHypothesis reference = a;
-  for (StartHypothesis* h : {&turned, &reference}) h->posed[0] = 0;
+  InitialHypothesis reference = a;
+  for (InitialHypothesis* h : {&turned, &reference}) h->posed[0] = 0;
   turned.poses[0] = {};
   // Other axes of the body leave the rotations between frames as they were.
   EXPECT_TRUE(same_geometry(reference, turned, 1e-9));

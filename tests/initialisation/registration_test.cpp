@@ -20,7 +20,7 @@ std::unique_ptr<Crop> whole(const cv::Mat& gray) {
       {.u_px = 0.0F, .v_px = 0.0F},
       {.u_px = static_cast<float>(gray.cols - 1), .v_px = static_cast<float>(gray.rows - 1)}};
   keep_crop(gray, 1, corners, crops.get());
-  return std::make_unique<Crop>(crops->held[0]);
+  return std::make_unique<Crop>(crops->kept[0]);
 }
 
 class RegisterPatch : public ::testing::Test {
@@ -50,7 +50,7 @@ TEST_F(RegisterPatch, FindsThePlaceUnderAnotherMotionAndLight) {
 
 TEST_F(RegisterPatch, ItsSigmaIsThatOfItsErrors) {
   double squares = 0.0;
-  double told = 0.0;
+  double reported = 0.0;
   constexpr int kTrials = 60;
   for (int trial = 0; trial < kTrials; ++trial) {
     const View view{.shift_px = {0.13 * trial, -0.07 * trial}, .gain = 0.7, .noise = 4.0};
@@ -58,12 +58,12 @@ TEST_F(RegisterPatch, ItsSigmaIsThatOfItsErrors) {
         look(view, {0.4, 0.3}, Eigen::Matrix2d::Identity(), static_cast<std::uint64_t>(trial) + 10);
     ASSERT_TRUE(found);
     squares += (found->place - view.place(kSpot)).squaredNorm() / 2.0;
-    told += found->sigma * found->sigma;
+    reported += found->sigma * found->sigma;
   }
-  // Blur takes some of white noise out of the residuals, and the worse direction is told: within a
-  // factor of two.
-  EXPECT_GT(std::sqrt(squares / told), 0.5);
-  EXPECT_LT(std::sqrt(squares / told), 2.0);
+  // Blur takes some of white noise out of the residuals, and the worse direction is reported:
+  // within a factor of two.
+  EXPECT_GT(std::sqrt(squares / reported), 0.5);
+  EXPECT_LT(std::sqrt(squares / reported), 2.0);
 }
 
 TEST_F(RegisterPatch, OfAnotherSurfaceDoesNotCorrelate) {
@@ -75,13 +75,13 @@ TEST_F(RegisterPatch, OfAnotherSurfaceDoesNotCorrelate) {
   EXPECT_TRUE(!found || found->zncc < 0.75);
 }
 
-TEST_F(RegisterPatch, NothingIsFoundWhereTheWindowLeavesThePicture) {
+TEST_F(RegisterPatch, NothingIsFoundWhereTheWindowLeavesTheImage) {
   const auto crop = whole(textured_view::render({}, 2));
   EXPECT_FALSE(register_patch(patch_, *crop, Eigen::Matrix2d::Identity(), {3.0, 40.0}));
   EXPECT_FALSE(register_patch(patch_, *crop, Eigen::Matrix2d::Identity(), {1e9, -1e9}));
 }
 
-TEST_F(RegisterPatch, AFlatPictureIsNoMatch) {
+TEST_F(RegisterPatch, AFlatImageIsNoMatch) {
   const auto crop = whole(cv::Mat(100, 120, CV_8UC1, cv::Scalar(90.0)));
   EXPECT_FALSE(register_patch(patch_, *crop, Eigen::Matrix2d::Identity(), kSpot));
 }

@@ -7,27 +7,28 @@
 #include "initialisation/convexity.hpp"
 #include "initialisation/hypotheses.hpp"
 #include "initialisation/initialise.hpp"
-#include "synthetic/start_scenarios.hpp"
+#include "synthetic/initial_scenarios.hpp"
 
 namespace polhode::selection_test {
 namespace {
 
 using synthetic::compare_start;
-using synthetic::make_start_scenario;
-using synthetic::StartErrors;
-using synthetic::StartFamily;
-using synthetic::StartScenario;
+using synthetic::InitialErrors;
+using synthetic::InitialFamily;
+using synthetic::InitialScenario;
+using synthetic::make_initial_scenario;
 using synthetic::to_start_tracks;
 
-StartWorkspace& workspace() {
-  static const auto w = std::make_unique<StartWorkspace>();
+InitialWorkspace& workspace() {
+  static const auto w = std::make_unique<InitialWorkspace>();
   return *w;
 }
 
-StartOutcome run(const StartScenario& s, std::uint64_t seed) {
-  const std::vector<StartTrack> tracks = to_start_tracks(s.tracks, s.sigma_normalised);
-  return select_hypothesis(
-      {.times_s = s.motion.times_s, .tracks = tracks, .seed = seed}, StartOptions{}, &workspace());
+InitialOutcome run(const InitialScenario& s, std::uint64_t seed) {
+  const std::vector<InitialTrack> tracks = to_start_tracks(s.tracks, s.sigma_normalised);
+  return select_hypothesis({.times_s = s.motion.times_s, .tracks = tracks, .seed = seed},
+                           InitialOptions{},
+                           &workspace());
 }
 
 struct View {
@@ -40,9 +41,9 @@ struct View {
 
 /// A box that turns before the camera, a corner towards it: points of two or three faces seen in
 /// every frame.
-StartScenario turning_box(const View& view, std::uint64_t seed) {
+InitialScenario turning_box(const View& view, std::uint64_t seed) {
   Rng rng(seed, 3);
-  StartScenario s;
+  InitialScenario s;
   const synthetic::Body body = synthetic::box(view.points, {0.3, 0.4, 0.5}, &rng);
   const double range = 0.7 / (view.alpha_deg * synthetic::detail::kDegree);
   synthetic::ConstantTurn turn{.frames = view.frames,
@@ -61,34 +62,34 @@ StartScenario turning_box(const View& view, std::uint64_t seed) {
   return s;
 }
 
-TEST(StartContest, RecoversExactGeometry_WithoutNoise) {
+TEST(HypothesisSelection, RecoversExactGeometry_WithoutNoise) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    const StartScenario s = turning_box({.noise_px = 0.0}, seed);
-    const StartOutcome out = run(s, seed);
-    EXPECT_EQ(out.decision, StartDecision::kCommit) << seed;
-    const StartErrors errors = compare_start(out, s.tracks, s.motion);
+    const InitialScenario s = turning_box({.noise_px = 0.0}, seed);
+    const InitialOutcome out = run(s, seed);
+    EXPECT_EQ(out.decision, InitialDecision::kCommit) << seed;
+    const InitialErrors errors = compare_start(out, s.tracks, s.motion);
     EXPECT_LT(errors.depth, 1e-3) << seed;
     EXPECT_LT(errors.rotation, 1e-3) << seed;
   }
 }
 
-TEST(StartContest, CommitsToTheRightTwin_WhenPerspectiveShows) {
+TEST(HypothesisSelection, CommitsToTheRightDepthSign_WhenPerspectiveShows) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    const StartScenario s = turning_box({.alpha_deg = 8.0, .turn_deg = 35.0}, seed);
-    const StartOutcome out = run(s, seed);
-    EXPECT_EQ(out.decision, StartDecision::kCommit) << seed;
+    const InitialScenario s = turning_box({.alpha_deg = 8.0, .turn_deg = 35.0}, seed);
+    const InitialOutcome out = run(s, seed);
+    EXPECT_EQ(out.decision, InitialDecision::kCommit) << seed;
     EXPECT_TRUE(compare_start(out, s.tracks, s.motion).right()) << seed;
     EXPECT_LT(out.reduced_chi2, 1.5) << seed;
   }
 }
 
-TEST(StartContest, FixesTheGaugeAsPromised) {
-  const StartOutcome out = run(turning_box({}, 2), 2);
-  ASSERT_EQ(out.decision, StartDecision::kCommit);
+TEST(HypothesisSelection, FixesTheGaugeAsPromised) {
+  const InitialOutcome out = run(turning_box({}, 2), 2);
+  ASSERT_EQ(out.decision, InitialDecision::kCommit);
   EXPECT_TRUE(out.frames[0].pose.R_CT.isIdentity(1e-9));
   double extent2 = 0.0;
   double count = 0.0;
-  for (const StartPoint& point : out.points) {
+  for (const InitialPoint& point : out.points) {
     if (point.valid) {
       extent2 += point.p_T.squaredNorm();
       count += 1.0;
@@ -100,13 +101,13 @@ TEST(StartContest, FixesTheGaugeAsPromised) {
 }
 
 // verifies: INI-06
-TEST(StartContest, PointSigmasCoverTheErrors) {
+TEST(HypothesisSelection, PointSigmasCoverTheErrors) {
   double sum = 0.0;
   double count = 0.0;
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
-    const StartScenario s = turning_box({}, seed);
-    const StartOutcome out = run(s, seed);
-    ASSERT_EQ(out.decision, StartDecision::kCommit);
+    const InitialScenario s = turning_box({}, seed);
+    const InitialOutcome out = run(s, seed);
+    ASSERT_EQ(out.decision, InitialDecision::kCommit);
     // Truth into the outcome's gauge by the points themselves; what that takes away is 7 of 3 N.
     Eigen::Matrix3Xd truth(3, out.points.size());
     Eigen::Matrix3Xd estimate(3, out.points.size());
@@ -119,7 +120,7 @@ TEST(StartContest, PointSigmasCoverTheErrors) {
     }
     const Eigen::Matrix4d to_T = Eigen::umeyama(truth.leftCols(k), estimate.leftCols(k));
     k = 0;
-    for (const StartPoint& point : out.points) {
+    for (const InitialPoint& point : out.points) {
       if (point.valid) {
         const Eigen::Vector3d error = (to_T * truth.col(k++).homogeneous()).head<3>() - point.p_T;
         sum += error.dot(point.covariance_T.inverse() * error);
@@ -127,20 +128,20 @@ TEST(StartContest, PointSigmasCoverTheErrors) {
       }
     }
   }
-  // Errors of one start share its depth scale, so eight starts scatter widely; sigmas wrong by half
+  // Errors of one start share its depth scale, so eight starts scatter a lot; sigmas wrong by half
   // would show.
   EXPECT_GT(sum / count, 0.4);
   EXPECT_LT(sum / count, 2.25);
 }
 
-TEST(StartContest, GivesTheSameBytes_ForTheSameInput) {
-  const StartScenario s = make_start_scenario(StartFamily::kTumbling, 9);
-  const StartOutcome a = run(s, 9);
-  (void)run(make_start_scenario(StartFamily::kFar, 1),
+TEST(HypothesisSelection, GivesTheSameBytes_ForTheSameInput) {
+  const InitialScenario s = make_initial_scenario(InitialFamily::kTumbling, 9);
+  const InitialOutcome a = run(s, 9);
+  (void)run(make_initial_scenario(InitialFamily::kFar, 1),
             1);  // what the workspace held before does not matter
-  const StartOutcome b = run(s, 9);
+  const InitialOutcome b = run(s, 9);
   ASSERT_EQ(a.points.size(), b.points.size());
-  EXPECT_EQ(a.chi2_gap, b.chi2_gap);
+  EXPECT_EQ(a.chi2_margin, b.chi2_margin);
   EXPECT_EQ(a.decision, b.decision);
   for (std::size_t i = 0; i < a.points.size(); ++i) {
     ASSERT_EQ(a.points[i].valid, b.points[i].valid);
@@ -151,42 +152,42 @@ TEST(StartContest, GivesTheSameBytes_ForTheSameInput) {
   }
 }
 
-TEST(StartContest, WaitsForThreeFrames) {
-  StartScenario s = turning_box({.frames = 3}, 1);
+TEST(HypothesisSelection, WaitsForThreeFrames) {
+  InitialScenario s = turning_box({.frames = 3}, 1);
   s.motion.times_s.pop_back();
   s.motion.poses.pop_back();
   for (synthetic::Track& track : s.tracks) {
     std::erase_if(track.observations, [](const synthetic::Observation& o) { return o.frame > 1; });
   }
-  EXPECT_EQ(run(s, 1).decision, StartDecision::kTooFewTracks);
+  EXPECT_EQ(run(s, 1).decision, InitialDecision::kTooFewTracks);
 }
 
-TEST(StartContest, WaitsForTracks) {
-  StartScenario s = turning_box({}, 1);
+TEST(HypothesisSelection, WaitsForTracks) {
+  InitialScenario s = turning_box({}, 1);
   s.tracks.resize(10);
-  EXPECT_EQ(run(s, 1).decision, StartDecision::kTooFewTracks);
+  EXPECT_EQ(run(s, 1).decision, InitialDecision::kTooFewTracks);
   s.tracks.clear();
-  EXPECT_EQ(run(s, 1).decision, StartDecision::kTooFewTracks);
+  EXPECT_EQ(run(s, 1).decision, InitialDecision::kTooFewTracks);
 }
 
-TEST(StartContest, StepsOverAFrameWithoutTracks) {
-  StartScenario s = turning_box({.frames = 9}, 6);
+TEST(HypothesisSelection, StepsOverAFrameWithoutTracks) {
+  InitialScenario s = turning_box({.frames = 9}, 6);
   for (synthetic::Track& track : s.tracks) {
     std::erase_if(track.observations, [](const synthetic::Observation& o) { return o.frame == 4; });
   }
-  const StartOutcome out = run(s, 6);
-  EXPECT_EQ(out.decision, StartDecision::kCommit);
+  const InitialOutcome out = run(s, 6);
+  EXPECT_EQ(out.decision, InitialDecision::kCommit);
   EXPECT_FALSE(out.frames[4].valid);
   EXPECT_TRUE(out.frames[3].valid);
   EXPECT_TRUE(out.frames[8].valid);
   EXPECT_TRUE(compare_start(out, s.tracks, s.motion).right());
 }
 
-TEST(StartContest, UsesAllThirtyTwoFrames) {
-  const StartScenario s = turning_box({.alpha_deg = 5.0, .turn_deg = 50.0, .frames = 32}, 3);
-  const StartOutcome out = run(s, 3);
-  EXPECT_EQ(out.decision, StartDecision::kCommit);
-  for (const StartFramePose& frame : out.frames) {
+TEST(HypothesisSelection, UsesAllThirtyTwoFrames) {
+  const InitialScenario s = turning_box({.alpha_deg = 5.0, .turn_deg = 50.0, .frames = 32}, 3);
+  const InitialOutcome out = run(s, 3);
+  EXPECT_EQ(out.decision, InitialDecision::kCommit);
+  for (const InitialFramePose& frame : out.frames) {
     EXPECT_TRUE(frame.valid);
   }
   EXPECT_TRUE(compare_start(out, s.tracks, s.motion).right());
@@ -198,22 +199,22 @@ struct Tally {
 };
 
 /// Wrong: committed, and depth or turn off by more than half (a reversed depth is off by 2).
-Tally tally(StartFamily family, int seeds) {
+Tally tally(InitialFamily family, int seeds) {
   Tally t;
   for (std::uint64_t seed = 1; seed <= static_cast<std::uint64_t>(seeds); ++seed) {
-    const StartScenario s = make_start_scenario(family, seed);
-    const StartOutcome out = run(s, seed);
-    if (out.decision != StartDecision::kCommit) {
+    const InitialScenario s = make_initial_scenario(family, seed);
+    const InitialOutcome out = run(s, seed);
+    if (out.decision != InitialDecision::kCommit) {
       continue;
     }
     ++t.commits;
-    StartErrors errors = compare_start(out, s.tracks, s.motion);
-    if (family == StartFamily::kTranslation) {
+    InitialErrors errors = compare_start(out, s.tracks, s.motion);
+    if (family == InitialFamily::kTranslation) {
       errors.rotation = 0.0;
     }
     if (!synthetic::has_body(family) || errors.depth > 0.5 || errors.rotation > 0.5) {
       ++t.wrong;
-      ADD_FAILURE() << "wrong start: seed " << seed << " gap " << out.chi2_gap << " depth "
+      ADD_FAILURE() << "wrong start: seed " << seed << " gap " << out.chi2_margin << " depth "
                     << errors.depth << " turn " << errors.rotation;
     }
   }
@@ -221,59 +222,59 @@ Tally tally(StartFamily family, int seeds) {
 }
 
 // verifies: INI-02
-TEST(StartContest, NeverCommitsToTheWrongTwin_AtThreeDegrees) {
-  const Tally t = tally(StartFamily::kFar, 100);
+TEST(HypothesisSelection, NeverCommitsToTheWrongDepthSign_AtThreeDegrees) {
+  const Tally t = tally(InitialFamily::kFar, 100);
   EXPECT_GE(t.commits, 30);
 }
 
 // verifies: INI-02
-TEST(StartContest, NeverCommitsToTheWrongTwin_AtThreeDegreesWithOutliers) {
-  (void)tally(StartFamily::kFarPartial, 40);
+TEST(HypothesisSelection, NeverCommitsToTheWrongDepthSign_AtThreeDegreesWithOutliers) {
+  (void)tally(InitialFamily::kFarPartial, 40);
 }
 
-TEST(StartContest, StartsOnATumblingBody_WhosePointsComeAndGo) {
-  const Tally t = tally(StartFamily::kTumbling, 30);
+TEST(HypothesisSelection, CommitsOnATumblingBody_WhosePointsComeAndGo) {
+  const Tally t = tally(InitialFamily::kTumbling, 30);
   EXPECT_GE(t.commits, 20);
 }
 
 // verifies: INI-05
-TEST(StartContest, StartsOnADriftingBody_ThatDoesNotTurn) {
-  const Tally t = tally(StartFamily::kTranslation, 20);
+TEST(HypothesisSelection, CommitsOnADriftingBody_ThatDoesNotTurn) {
+  const Tally t = tally(InitialFamily::kTranslation, 20);
   EXPECT_GE(t.commits, 15);
 }
 
-TEST(StartContest, StartsOnAConcaveBody_ThoughConvexityIsWrong) {
-  const Tally t = tally(StartFamily::kDish, 20);
+TEST(HypothesisSelection, CommitsOnAConcaveBody_ThoughConvexityIsWrong) {
+  const Tally t = tally(InitialFamily::kDish, 20);
   EXPECT_GE(t.commits, 8);
 }
 
 // verifies: INI-04
-TEST(StartContest, StartsOnAFlatPanel) {
-  const Tally t = tally(StartFamily::kPanel, 20);
+TEST(HypothesisSelection, CommitsOnAFlatPanel) {
+  const Tally t = tally(InitialFamily::kPanel, 20);
   EXPECT_GE(t.commits, 5);
 }
 
-TEST(StartContest, WaitsWhenTheNoiseIsThreeTimesTheClaim_OrIsRight) {
-  (void)tally(StartFamily::kNoisy, 20);
+TEST(HypothesisSelection, WaitsWhenTheNoiseIsThreeTimesTheClaim_OrIsRight) {
+  (void)tally(InitialFamily::kNoisy, 20);
 }
 
 // verifies: INI-03
-TEST(StartContest, NeverStarts_WhenNothingMoves) {
-  EXPECT_EQ(tally(StartFamily::kStatic, 30).commits, 0);
+TEST(HypothesisSelection, NeverCommits_WhenNothingMoves) {
+  EXPECT_EQ(tally(InitialFamily::kStatic, 30).commits, 0);
 }
 
 // verifies: INI-03
-TEST(StartContest, NeverStarts_OnRandomTracks) {
-  EXPECT_EQ(tally(StartFamily::kRandom, 30).commits, 0);
+TEST(HypothesisSelection, NeverCommits_OnRandomTracks) {
+  EXPECT_EQ(tally(InitialFamily::kRandom, 30).commits, 0);
 }
 
-TEST(StartContest, NeverStarts_OnTracksThatDriftApart) {
-  EXPECT_EQ(tally(StartFamily::kLumpy, 30).commits, 0);
+TEST(HypothesisSelection, NeverCommits_OnTracksThatDriftApart) {
+  EXPECT_EQ(tally(InitialFamily::kLumpy, 30).commits, 0);
 }
 
-TEST(ConvexityCue, TellsABallFromItsTwin) {
+TEST(ConvexityCue, TellsABallFromItsDepthReversal) {
   Rng rng(1, 1);
-  StartHypothesis h;
+  InitialHypothesis h;
   h.frames = 1;
   h.posed[0] = 1;
   h.poses[0].uvs.z() = 0.02;
@@ -290,9 +291,9 @@ TEST(ConvexityCue, TellsABallFromItsTwin) {
   EXPECT_LT(convexity_cue(observations, 0, h.view()), -5.0);
 }
 
-StartHypothesis made_up_hypothesis() {
+InitialHypothesis made_up_hypothesis() {
   Rng rng(77, 0);
-  StartHypothesis h;
+  InitialHypothesis h;
   h.frames = 4;
   h.tracks = 60;
   for (std::size_t f = 0; f < h.frames; ++f) {
@@ -310,16 +311,16 @@ StartHypothesis made_up_hypothesis() {
 
 /// A rival that differs in nothing but what it makes of wrong tracks is no rival.
 TEST(SameGeometry, LooksPastWrongTracks_ButNotPastATwinOrAnotherTurn) {
-  const StartHypothesis h = made_up_hypothesis();
-  StartHypothesis astray = h;
+  const InitialHypothesis h = made_up_hypothesis();
+  InitialHypothesis astray = h;
   for (std::size_t i = 0; i < h.tracks; i += 3) {
     astray.points_T[i] *= -5.0;
   }
   EXPECT_TRUE(same_geometry(h, astray, 0.15));
-  StartHypothesis reversed = h;
+  InitialHypothesis reversed = h;
   apply_depth_reversal(reversed.view());
   EXPECT_FALSE(same_geometry(h, reversed, 0.2));
-  StartHypothesis faster = h;
+  InitialHypothesis faster = h;
   faster.poses[3].R_CT = so3_exp(Eigen::Vector3d(0.02, 0.1, 0.0) * 4.0);
   EXPECT_FALSE(same_geometry(h, faster, 0.2));
 }

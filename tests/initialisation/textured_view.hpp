@@ -10,7 +10,7 @@
 namespace polhode::textured_view {
 
 struct View {
-  Eigen::Matrix2d affine = Eigen::Matrix2d::Identity();  ///< surface to picture
+  Eigen::Matrix2d affine = Eigen::Matrix2d::Identity();  ///< surface to image
   Eigen::Vector2d shift_px = Eigen::Vector2d::Zero();
   double gain = 1.0;
   double offset = 0.0;

@@ -1,4 +1,4 @@
-// A body with alike faces, looked at anew without a motion that says which one it is.
+// A body with alike faces, looked at again without a motion that indicates which one it is.
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -57,7 +57,7 @@ struct Look : SeenFrame {
        std::uint64_t seed) {
     state->map = *make_map(body, views, kNoise_px, seed, mapped_spots).map;
     Rng rng(seed, 142);
-    picture = take_picture(body, truth, kNoise_px, 40, &rng);
+    image = take_image(body, truth, kNoise_px, 40, &rng);
     found = relocalise_frame(input(), state.get());
     error_rad = found ? rotation_angle_rad(state->localised.absolute.pose.R_CT, truth.R_CT) : 0.0;
   }

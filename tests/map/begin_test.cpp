@@ -12,7 +12,7 @@ using namespace synthetic;
 /// Four frames, of which the second has no pose; five tracks, of which the last has no point.
 struct Bench {
   std::unique_ptr<TrackTable> tracks = std::make_unique<TrackTable>();
-  std::unique_ptr<StartOutcome> outcome = std::make_unique<StartOutcome>();
+  std::unique_ptr<InitialOutcome> outcome = std::make_unique<InitialOutcome>();
   std::unique_ptr<Map> map = std::make_unique<Map>();
 
   Bench() {
@@ -34,7 +34,7 @@ struct Bench {
       }
       outcome->points[t] = {.valid = t != 4, .p_T = {0.1 * static_cast<double>(t), -0.3, 0.2}};
     }
-    outcome->decision = StartDecision::kCommit;
+    outcome->decision = InitialDecision::kCommit;
   }
 };
 
@@ -67,10 +67,10 @@ TEST(BeginMap, MakesALandmarkOfEachTrackWithAPoint_SeenWhereItsFeaturesAre) {
     const Keyframe& keyframe = b.map->keyframes[id.index()];
     const auto f = static_cast<std::size_t>(keyframe.frame - 10);
     for (std::size_t t = 0; t < 5; ++t) {
-      const LandmarkId tied = keyframe.landmark_of[(t + f) % 6];
-      ASSERT_EQ(tied.valid(), t != 4);
-      if (tied.valid()) {
-        EXPECT_EQ(b.map->landmarks[tied.index()].p_T, b.outcome->points[t].p_T);
+      const LandmarkId associated = keyframe.landmark_of[(t + f) % 6];
+      ASSERT_EQ(associated.valid(), t != 4);
+      if (associated.valid()) {
+        EXPECT_EQ(b.map->landmarks[associated.index()].p_T, b.outcome->points[t].p_T);
       }
     }
   }
@@ -104,9 +104,9 @@ TEST(BeginMap, OfTheNewestFrames_LeavesOutTheFramesBefore) {
     EXPECT_EQ(keyframe.timestamp_ns, 1000 * static_cast<std::int64_t>(frames[i]));
     EXPECT_EQ(keyframe.pose.R_CT, turned(0.1 * (frames[i] - 11)).R_CT);
     for (std::size_t t = 0; t < 4; ++t) {
-      const LandmarkId tied = keyframe.landmark_of[(t + frames[i] - 10) % 6];
-      ASSERT_TRUE(tied.valid());
-      EXPECT_EQ(b.map->landmarks[tied.index()].p_T, b.outcome->points[t].p_T);
+      const LandmarkId associated = keyframe.landmark_of[(t + frames[i] - 10) % 6];
+      ASSERT_TRUE(associated.valid());
+      EXPECT_EQ(b.map->landmarks[associated.index()].p_T, b.outcome->points[t].p_T);
     }
   }
   EXPECT_EQ(b.map->landmark_count, 4);

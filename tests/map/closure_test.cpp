@@ -15,7 +15,7 @@ using namespace synthetic;
 
 constexpr double kSeen_rad[] = {0.2, 0.32};  // where the side is seen again
 
-/// A side mapped by six keyframes, then long out of sight; it comes back in two keyframes whose
+/// A side mapped by six keyframes, then long out of sight; it returns in two keyframes whose
 /// poses, and the young landmarks made from them, are off by the drift of the turn.
 struct Return {
   std::vector<Spot> body = ball(400, 21);
@@ -23,7 +23,7 @@ struct Return {
   Eigen::Matrix3d drift;
   CameraModel model = camera();
   LocaliseOptions options;
-  std::vector<Picture> pictures;
+  std::vector<Picture> images;
   std::vector<KeyframeId> back;
   std::unique_ptr<MapScratch> scratch = std::make_unique<MapScratch>();
 
@@ -32,27 +32,27 @@ struct Return {
     mapped.map->next_keyframe_number += keyframes_away;
     Rng rng(22, 93);
     for (const double angle_rad : kSeen_rad) {
-      pictures.push_back(take_picture(seen, turned(angle_rad), kNoise_px, 100, &rng));
-      add(pictures.back(), turned(angle_rad));
+      images.push_back(take_image(seen, turned(angle_rad), kNoise_px, 100, &rng));
+      add(images.back(), turned(angle_rad));
     }
     make_young(seen);
     refresh_landmarks(mapped.map.get(), model);
   }
 
-  void add(const Picture& picture, const Pose& truth) {
+  void add(const Picture& image, const Pose& truth) {
     const KeyframeId id = add_keyframe(mapped.map.get());
     Keyframe& keyframe = mapped.map->keyframes[id.index()];
     keyframe.frame = 100;
     keyframe.pose = {.R_CT = truth.R_CT * drift, .p_CT = truth.p_CT};
-    keyframe.features = *picture.features;
+    keyframe.features = *image.features;
     back.push_back(id);
   }
 
-  /// Every second spot that both pictures show became a landmark anew.
+  /// Every second spot that both images show became a landmark again.
   void make_young(const std::vector<Spot>& seen) {
-    for (std::size_t i = 0; i < pictures[0].spot_of.size(); ++i) {
-      const int spot = pictures[0].spot_of[i];
-      const auto& later = pictures[1].spot_of;
+    for (std::size_t i = 0; i < images[0].spot_of.size(); ++i) {
+      const int spot = images[0].spot_of[i];
+      const auto& later = images[1].spot_of;
       const auto found = std::find(later.begin(), later.end(), spot);
       if (spot < 0 || spot % 2 != 0 || found == later.end()) {
         continue;
@@ -68,7 +68,7 @@ struct Return {
 
   int close() {
     return close_loop({.map = mapped.map.get(),
-                       .features = pictures[1].features.get(),
+                       .features = images[1].features.get(),
                        .camera = &model,
                        .options = &options,
                        .seed = 1,
@@ -93,15 +93,15 @@ constexpr std::uint32_t kLong = kRecentKeyframes + 10;
 TEST(CloseLoop, TiesTheNewKeyframeToTheOldLandmarks_AndMergesTheYoung) {
   Return r(0.09, kLong, ball(400, 21));  // 5 deg of drift
   const int young = r.mapped.map->landmark_count;
-  const int tied = r.close();
-  EXPECT_GT(tied, 60);
+  const int associated = r.close();
+  EXPECT_GT(associated, 60);
   EXPECT_LT(r.mapped.map->landmark_count, young - 20) << "the young have become the old";
   EXPECT_EQ(broken_promise(*r.mapped.map), "");
   int right = 0;
   int wrong = 0;
   const Keyframe& keyframe = r.mapped.map->keyframes[r.back[1].index()];
-  for (std::size_t i = 0; i < r.pictures[1].spot_of.size(); ++i) {
-    const int spot = r.pictures[1].spot_of[i];
+  for (std::size_t i = 0; i < r.images[1].spot_of.size(); ++i) {
+    const int spot = r.images[1].spot_of[i];
     if (!keyframe.landmark_of[i].valid()) {
       continue;
     }
@@ -137,7 +137,7 @@ TEST(CloseLoop, FindsNothing_OnABodyThatIsAnother) {
   EXPECT_EQ(r.mapped.map->landmark_count, before);
 }
 
-TEST(CloseLoop, FindsNothing_WhereTheSideWasSeenAMomentAgo) {
+TEST(CloseLoop, FindsNothing_WhereTheAspectWasSeenAMomentAgo) {
   Return r(0.0, 0, ball(400, 21));
   EXPECT_EQ(r.close(), 0);
 }

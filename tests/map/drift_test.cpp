@@ -34,7 +34,7 @@ std::unique_ptr<LocalisedFrame> keyframe(int matches, int inliers) {
   return frame;
 }
 
-TEST(MapDrift, KnowsNothingOfItself_BeforeAStart) {
+TEST(MapDrift, IsEmptyOfItself_BeforeAStart) {
   EXPECT_EQ(covariance(MapDrift{}), PoseCovariance::Zero());
 }
 
@@ -82,20 +82,20 @@ TEST(MapDrift, IsHalved_WhenItIsHeldAtBothEnds) {
   MapDrift drift;
   add_keyframe_error(*keyframe(100, 100), &drift);
   const double before = attitude_sigma_rad(drift);
-  hold_at_both_ends(&drift);
+  fix_both_ends(&drift);
   EXPECT_NEAR(attitude_sigma_rad(drift), 0.5 * before, 1e-15);
 }
 
 TEST(MapDrift, IsNotHalvedAgain_WhenTheSameLoopClosesOverMoreKeyframes) {
   MapDrift drift;
   add_keyframe_error(*keyframe(100, 100), &drift);
-  hold_at_both_ends(&drift);
+  fix_both_ends(&drift);
   const double held = attitude_sigma_rad(drift);
-  hold_at_both_ends(&drift);
+  fix_both_ends(&drift);
   EXPECT_EQ(attitude_sigma_rad(drift), held);
   add_keyframe_error(*keyframe(100, 100), &drift);
   const double walked = attitude_sigma_rad(drift);
-  hold_at_both_ends(&drift);
+  fix_both_ends(&drift);
   EXPECT_NEAR(std::pow(attitude_sigma_rad(drift), 2),
               held * held + 0.25 * (walked * walked - held * held),
               1e-15);
@@ -105,20 +105,20 @@ TEST(MapDrift, IsAsTheMotionTellsIt_WhateverClosesAfterwards) {
   MapDrift drift;
   add_keyframe_error(*keyframe(100, 100), &drift);
   replace_random_walk(1e-4 * PoseCovariance::Identity(), &drift);
-  hold_at_both_ends(&drift);
+  fix_both_ends(&drift);
   EXPECT_NEAR(attitude_sigma_rad(drift), 1e-2, 1e-12);
 }
 
 TEST(MapDrift, KeepsThePartThatTheMotionLeavesOpen_UntilTheBodyTurnsOn) {
   MapDrift drift;
   begin_drift(Eigen::Matrix3d::Identity(), 0.3, 0.1, 1.0, &drift);
-  hold_turn(0.04, 1.5, &drift);
+  constrain_turn(0.04, 1.5, &drift);
   EXPECT_NEAR(turn_sigma(drift), 0.04, 1e-12);
   EXPECT_NEAR(unit_sigma(drift), 0.04 * 0.3, 1e-12);
   EXPECT_NEAR(covariance(drift)(5, 5), 0.04 * 0.04 / 3.0 * 1.5 * 1.5, 1e-12);
   widen_turn({.R_CT = so3_exp({0.0, 0.6, 0.0}), .p_CT = {0.0, 0.0, 5.0}}, &drift);
   EXPECT_NEAR(turn_sigma(drift), 0.02, 1e-9);
-  hold_turn(7.0, 1.5, &drift);
+  constrain_turn(7.0, 1.5, &drift);
   EXPECT_EQ(turn_sigma(drift), 1.0) << "of what hardly turns nothing more can be open";
 }
 
@@ -129,7 +129,7 @@ TEST(MapDrift, WhatABridgeLeavesOpenStays_UntilBothSidesOfItAreOneMap) {
   const auto added = [&] { return PoseCovariance(covariance(drift) - before); };
   EXPECT_NEAR(added()(0, 0), 0.01, 1e-12);
   EXPECT_NEAR(added()(5, 5), 0.25, 1e-12);
-  hold_at_both_ends(&drift);
+  fix_both_ends(&drift);
   replace_random_walk(PoseCovariance::Zero(), &drift);
   EXPECT_NEAR(added()(0, 0), 0.01, 1e-12) << "no fit of the new part alone tells of the old T";
   EXPECT_EQ(drift.reanchored_keyframe, 17U);

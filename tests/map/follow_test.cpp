@@ -77,14 +77,14 @@ struct Bench {
     }
   }
 
-  Result<bool> follow(const cv::Mat& picture, const Pose& predicted) {
+  Result<bool> follow(const cv::Mat& image, const Pose& predicted) {
     const LocaliseInput input{.map = map.get(),
                               .features = features.get(),
                               .camera = &model,
                               .options = &options,
                               .seed = 1};
     Pyramid pyramid;
-    build_pyramid(picture, &pyramid);
+    build_pyramid(image, &pyramid);
     const TrackOptions flow_options;
     return localise_by_flow(
         input, {reference.get(), &pyramid, &flow_options}, predicted, scratch.get(), out.get());
@@ -104,7 +104,7 @@ TEST(PredictedMotion, IsLarge_WhenNothingStaysInView_OrNothingIsKnown) {
   EXPECT_GT(predicted_motion_px(*b.reference, moved(0.0, 0.0), *b.map, b.model), 1e4);
 }
 
-TEST(LocaliseByFlow, FindsThePose_OfAPictureThatHasMoved) {
+TEST(LocaliseByFlow, FindsThePose_OfAnImageThatHasMoved) {
   Bench b;
   const Pose truth = moved(7.3, -4.6);
   ASSERT_TRUE(b.follow(texture(1, 7.3, -4.6), moved(6.0, -4.0)).ok());
@@ -125,7 +125,7 @@ TEST(LocaliseByFlow, FindsThePose_OfAPictureThatHasMoved) {
   }
 }
 
-TEST(LocaliseByFlow, ReturnsAnError_WhenThePictureIsAnotherOne) {
+TEST(LocaliseByFlow, ReturnsAnError_WhenTheImageIsAnotherOne) {
   Bench b;
   EXPECT_FALSE(b.follow(texture(2, 0.0, 0.0), moved(0.0, 0.0)).ok());
 }

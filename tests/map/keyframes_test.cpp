@@ -12,9 +12,10 @@ namespace {
 
 using namespace synthetic;
 
-/// A frame whose features are those of a picture, each match an inlier where `is_inlier` says so.
+/// A frame whose features are those of an image, each match an inlier where `is_inlier` indicates
+/// so.
 struct Frame {
-  Picture picture;
+  Picture image;
   std::unique_ptr<LocalisedFrame> localised = std::make_unique<LocalisedFrame>();
 };
 
@@ -23,10 +24,10 @@ Frame frame_of(const std::vector<Spot>& body,
                const Pose& pose,
                int outlier_every) {
   Rng rng(5, 121);
-  Frame frame{.picture = take_picture(body, pose, kNoise_px, 0, &rng)};
+  Frame frame{.image = take_image(body, pose, kNoise_px, 0, &rng)};
   frame.localised->absolute.pose = pose;
-  for (std::size_t i = 0; i < frame.picture.spot_of.size(); ++i) {
-    const LandmarkId id = mapped.landmark_of[static_cast<std::size_t>(frame.picture.spot_of[i])];
+  for (std::size_t i = 0; i < frame.image.spot_of.size(); ++i) {
+    const LandmarkId id = mapped.landmark_of[static_cast<std::size_t>(frame.image.spot_of[i])];
     if (id.valid()) {
       const bool inlier = outlier_every == 0 || i % static_cast<std::size_t>(outlier_every) != 0;
       (void)frame.localised->matches.push_back(
@@ -39,7 +40,7 @@ Frame frame_of(const std::vector<Spot>& body,
 KeyframeId insert(const Frame& frame, const MapOptions& options, Map* map) {
   return insert_keyframe({.frame = 77,
                           .timestamp_ns = 123456789,
-                          .features = frame.picture.features.get(),
+                          .features = frame.image.features.get(),
                           .options = &options},
                          *frame.localised,
                          map);
@@ -89,14 +90,14 @@ TEST(InsertKeyframe, StoresTheFrame_AndTiesItsInliersOnly) {
   EXPECT_EQ(keyframe.frame, 77U);
   EXPECT_EQ(keyframe.timestamp_ns, 123456789);
   EXPECT_EQ(keyframe.pose.p_CT, turned(0.5).p_CT);
-  EXPECT_EQ(keyframe.features.size(), frame.picture.features->size());
-  int tied = 0;
+  EXPECT_EQ(keyframe.features.size(), frame.image.features->size());
+  int associated = 0;
   for (const LandmarkMatch& m : frame.localised->matches) {
     const LandmarkId held = keyframe.landmark_of[static_cast<std::size_t>(m.feature)];
     EXPECT_EQ(held.valid(), m.inlier);
-    tied += held.valid() ? 1 : 0;
+    associated += held.valid() ? 1 : 0;
   }
-  EXPECT_GT(tied, 30);
+  EXPECT_GT(associated, 30);
   EXPECT_EQ(broken_promise(*s.map), "");
 }
 
@@ -141,7 +142,7 @@ TEST(InsertKeyframe, TakesNone_WhoseBodyLiesBehindTheCamera) {
   }
 }
 
-TEST(MostRedundant, IsNone_WhenEachKeyframeIsAloneOnItsSide) {
+TEST(MostRedundant, IsNone_WhenEachKeyframeIsAloneInItsAspect) {
   const auto body = ball(300, 35);
   const auto s = make_map(body, turn_by(0.6, 8), kNoise_px, 35);
   EXPECT_FALSE(most_redundant(*s.map).valid());
@@ -154,7 +155,7 @@ TEST(MostRedundant, IsNone_WhenEachKeyframeIsAloneOnItsSide) {
 }
 
 // verifies: MAP-06
-TEST(MostRedundant, NeverTakesTheOnlyViewOfASide) {
+TEST(MostRedundant, NeverTakesTheOnlyViewOfAnAspect) {
   // Ten views of one side, all within 20 deg, and one of another: the lonely one is the oldest.
   std::vector<Pose> poses{turned(1.5)};
   for (int k = 0; k < 10; ++k) {

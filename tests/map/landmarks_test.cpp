@@ -75,10 +75,10 @@ TEST(CreateLandmarks, MakesNone_WithoutParallax) {
       0);
 }
 
-TEST(CreateLandmarks, MakesFew_WhenThePicturesShowDifferentBodies) {
+TEST(CreateLandmarks, MakesFew_WhenTheImagesShowDifferentBodies) {
   Bench b;
   Rng rng(43, 131);
-  const Picture other = take_picture(ball(500, 43), turned(0.6), kNoise_px, 0, &rng);
+  const Picture other = take_image(ball(500, 43), turned(0.6), kNoise_px, 0, &rng);
   const KeyframeId id = add_keyframe(b.s.map.get());
   b.s.map->keyframes[id.index()].pose = turned(0.6);
   b.s.map->keyframes[id.index()].features = *other.features;

@@ -31,16 +31,16 @@ struct Bench {
   std::unique_ptr<LocaliseScratch> scratch = std::make_unique<LocaliseScratch>();
   std::unique_ptr<LocalisedFrame> out = std::make_unique<LocalisedFrame>();
 
-  LocaliseInput input(const Picture& picture, std::uint64_t stream = 0) const {
+  LocaliseInput input(const Picture& image, std::uint64_t stream = 0) const {
     return {.map = mapped.map.get(),
-            .features = picture.features.get(),
+            .features = image.features.get(),
             .camera = &model,
             .options = &options,
             .seed = 1,
             .stream = stream};
   }
 
-  void expect_right(const Picture& picture, const Pose& truth) const {
+  void expect_right(const Picture& image, const Pose& truth) const {
     EXPECT_LT(normalised_error2(out->absolute, truth), kError2Max);
     std::set<std::int32_t> landmarks;
     std::set<std::int32_t> features;
@@ -50,10 +50,10 @@ struct Bench {
       EXPECT_TRUE(landmarks.insert(m.landmark.slot).second) << "a landmark twice";
       EXPECT_TRUE(features.insert(m.feature).second) << "a feature twice";
       ASSERT_GE(m.feature, 0);
-      const Feature& f = (*picture.features)[static_cast<std::size_t>(m.feature)];
+      const Feature& f = (*image.features)[static_cast<std::size_t>(m.feature)];
       EXPECT_EQ(m.u_px, f.u_px);
       EXPECT_EQ(m.v_px, f.v_px);
-      const int spot = picture.spot_of[static_cast<std::size_t>(m.feature)];
+      const int spot = image.spot_of[static_cast<std::size_t>(m.feature)];
       inliers += m.inlier ? 1 : 0;
       wrong +=
           m.inlier && (spot < 0 || mapped.landmark_of[static_cast<std::size_t>(spot)] != m.landmark)
@@ -86,7 +86,7 @@ TEST(ShouldBeSeen, IsTrueForTheSideThatFacesTheCamera_AndFalseForTheOther) {
   }
 }
 
-TEST(ShouldBeSeen, IsFalse_BehindTheCamera_OutsideThePicture_AndWithoutAObservation) {
+TEST(ShouldBeSeen, IsFalse_BehindTheCamera_OutsideTheImage_AndWithoutAObservation) {
   Landmark landmark;
   landmark.used = true;
   landmark.observations = 2;
@@ -105,14 +105,14 @@ TEST(LocaliseGuided, FindsThePose_FromAPredictionThatIsALittleOff) {
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
     Rng rng(seed, 101);
     const Pose truth = turned(0.05 + 0.05 * static_cast<double>(seed));
-    const Picture picture = take_picture(b.body, truth, kNoise_px, 60, &rng);
+    const Picture image = take_image(b.body, truth, kNoise_px, 60, &rng);
     // 0.02 rad at a radius of 1 and 8 away, f = 1500 px: up to 4 px.
     const Pose predicted{.R_CT = so3_exp(0.02 * normal3(&rng).normalized()) * truth.R_CT,
                          .p_CT = truth.p_CT + Eigen::Vector3d(0.01, -0.01, 0.1)};
     ASSERT_TRUE(
-        localise_guided(b.input(picture, seed), predicted, 12.0, b.scratch.get(), b.out.get()).ok())
+        localise_guided(b.input(image, seed), predicted, 12.0, b.scratch.get(), b.out.get()).ok())
         << seed;
-    b.expect_right(picture, truth);
+    b.expect_right(image, truth);
     EXPECT_GT(b.out->predicted, 80);
     EXPECT_GT(2 * b.out->absolute.inliers, b.out->predicted);
   }
@@ -123,9 +123,9 @@ TEST(LocaliseGuided, ReturnsAnError_WhenTheFeaturesBelongToAnotherBody) {
   const auto other = ball(400, 12);
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
     Rng rng(seed, 102);
-    const Picture picture = take_picture(other, turned(0.2), kNoise_px, 0, &rng);
+    const Picture image = take_image(other, turned(0.2), kNoise_px, 0, &rng);
     EXPECT_FALSE(
-        localise_guided(b.input(picture), turned(0.2), 12.0, b.scratch.get(), b.out.get()).ok())
+        localise_guided(b.input(image), turned(0.2), 12.0, b.scratch.get(), b.out.get()).ok())
         << seed;
   }
 }
@@ -133,9 +133,9 @@ TEST(LocaliseGuided, ReturnsAnError_WhenTheFeaturesBelongToAnotherBody) {
 TEST(LocaliseGuided, ReturnsAnError_WhenThePredictionIsFarOff) {
   Bench b;
   Rng rng(1, 103);
-  const Picture picture = take_picture(b.body, turned(0.1), kNoise_px, 0, &rng);
+  const Picture image = take_image(b.body, turned(0.1), kNoise_px, 0, &rng);
   EXPECT_FALSE(
-      localise_guided(b.input(picture), turned(0.6), 8.0, b.scratch.get(), b.out.get()).ok());
+      localise_guided(b.input(image), turned(0.6), 8.0, b.scratch.get(), b.out.get()).ok());
 }
 
 TEST(LocaliseGuided, ReturnsTooFewObservations_WithoutFeatures_AndWithoutAMap) {
@@ -146,11 +146,11 @@ TEST(LocaliseGuided, ReturnsTooFewObservations_WithoutFeatures_AndWithoutAMap) {
   ASSERT_FALSE(unseen.ok());
   EXPECT_EQ(unseen.error().code, ErrorCode::kTooFewObservations);
   Rng rng(1, 104);
-  const Picture picture = take_picture(b.body, turned(0.1), kNoise_px, 0, &rng);
+  const Picture image = take_image(b.body, turned(0.1), kNoise_px, 0, &rng);
   clear(b.mapped.map.get());
   EXPECT_FALSE(
-      localise_guided(b.input(picture), turned(0.1), 12.0, b.scratch.get(), b.out.get()).ok());
-  EXPECT_FALSE(relocalise(b.input(picture), b.scratch.get(), b.out.get()).ok());
+      localise_guided(b.input(image), turned(0.1), 12.0, b.scratch.get(), b.out.get()).ok());
+  EXPECT_FALSE(relocalise(b.input(image), b.scratch.get(), b.out.get()).ok());
 }
 
 TEST(LocaliseGuided, RefusesASpotThatRepeatsWithinTheSearch) {
@@ -158,18 +158,18 @@ TEST(LocaliseGuided, RefusesASpotThatRepeatsWithinTheSearch) {
   // none.
   Bench b;
   Rng rng(2, 105);
-  Picture picture = take_picture(b.body, turned(0.1), 0.1, 0, &rng);
-  const std::size_t spots = picture.features->size();
+  Picture image = take_image(b.body, turned(0.1), 0.1, 0, &rng);
+  const std::size_t spots = image.features->size();
   for (std::size_t i = 0; i < spots; ++i) {
-    Feature twin = (*picture.features)[i];
+    Feature twin = (*image.features)[i];
     twin.u_px += 6.0F;
     twin.normalised =
         undistort(b.model, {static_cast<double>(twin.u_px), static_cast<double>(twin.v_px)});
-    ASSERT_TRUE(picture.features->push_back(twin));
-    picture.spot_of.push_back(-1);
+    ASSERT_TRUE(image.features->push_back(twin));
+    image.spot_of.push_back(-1);
   }
   EXPECT_FALSE(
-      localise_guided(b.input(picture), turned(0.1), 12.0, b.scratch.get(), b.out.get()).ok());
+      localise_guided(b.input(image), turned(0.1), 12.0, b.scratch.get(), b.out.get()).ok());
 }
 
 // verifies: MAP-03
@@ -180,9 +180,9 @@ TEST(Relocalise, FindsThePose_WithoutAPrediction_FromEachMappedSide) {
     const Pose truth{.R_CT = so3_exp({0.0, 0.0, 1.0 * static_cast<double>(seed)}) *
                              turned(0.1 * static_cast<double>(seed)).R_CT,
                      .p_CT = {0.2, -0.1, 9.0}};
-    const Picture picture = take_picture(b.body, truth, kNoise_px, 100, &rng);
-    ASSERT_TRUE(relocalise(b.input(picture, seed), b.scratch.get(), b.out.get()).ok()) << seed;
-    b.expect_right(picture, truth);
+    const Picture image = take_image(b.body, truth, kNoise_px, 100, &rng);
+    ASSERT_TRUE(relocalise(b.input(image, seed), b.scratch.get(), b.out.get()).ok()) << seed;
+    b.expect_right(image, truth);
     EXPECT_GE(b.out->absolute.inliers, 60) << "a hundred are mapped on each side";
   }
 }
@@ -192,8 +192,8 @@ TEST(Relocalise, ReturnsAnError_WhenTheFeaturesBelongToAnotherBody) {
   const auto other = ball(400, 13);
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
     Rng rng(seed, 107);
-    const Picture picture = take_picture(other, turned(0.2), kNoise_px, 50, &rng);
-    EXPECT_FALSE(relocalise(b.input(picture, seed), b.scratch.get(), b.out.get()).ok()) << seed;
+    const Picture image = take_image(other, turned(0.2), kNoise_px, 50, &rng);
+    EXPECT_FALSE(relocalise(b.input(image, seed), b.scratch.get(), b.out.get()).ok()) << seed;
   }
 }
 
@@ -205,14 +205,14 @@ TEST(Relocalise, ReturnsAnError_WithoutFeatures) {
 TEST(Relocalise, GivesTheSameBytes_EachTime) {
   Bench b;
   Rng rng(3, 108);
-  const Picture picture = take_picture(b.body, turned(0.25), kNoise_px, 100, &rng);
-  ASSERT_TRUE(relocalise(b.input(picture, 9), b.scratch.get(), b.out.get()).ok());
+  const Picture image = take_image(b.body, turned(0.25), kNoise_px, 100, &rng);
+  ASSERT_TRUE(relocalise(b.input(image, 9), b.scratch.get(), b.out.get()).ok());
   const AbsolutePose first = b.out->absolute;
   const std::size_t matches = b.out->matches.size();
   ASSERT_TRUE(
-      localise_guided(b.input(picture, 4), turned(0.24), 12.0, b.scratch.get(), b.out.get()).ok());
+      localise_guided(b.input(image, 4), turned(0.24), 12.0, b.scratch.get(), b.out.get()).ok());
   const auto other_scratch = std::make_unique<LocaliseScratch>();
-  ASSERT_TRUE(relocalise(b.input(picture, 9), other_scratch.get(), b.out.get()).ok());
+  ASSERT_TRUE(relocalise(b.input(image, 9), other_scratch.get(), b.out.get()).ok());
   EXPECT_EQ(b.out->absolute.pose.R_CT, first.pose.R_CT);
   EXPECT_EQ(b.out->absolute.pose.p_CT, first.pose.p_CT);
   EXPECT_EQ(b.out->absolute.covariance, first.covariance);
@@ -223,13 +223,13 @@ TEST(SolveMatched, MarksWrongMatches) {
   Bench b;
   Rng rng(4, 109);
   const Pose truth = turned(0.2);
-  const Picture picture = take_picture(b.body, truth, kNoise_px, 0, &rng);
-  ASSERT_TRUE(localise_guided(b.input(picture), truth, 8.0, b.scratch.get(), b.out.get()).ok());
+  const Picture image = take_image(b.body, truth, kNoise_px, 0, &rng);
+  ASSERT_TRUE(localise_guided(b.input(image), truth, 8.0, b.scratch.get(), b.out.get()).ok());
   const std::size_t moved = b.out->matches.size() / 4;
   for (std::size_t i = 0; i < moved; ++i) {
     b.out->matches[i].normalised += Eigen::Vector2d(20.0, 15.0) / 1500.0;
   }
-  ASSERT_TRUE(solve_matched(b.input(picture), nullptr, b.scratch.get(), b.out.get()).ok());
+  ASSERT_TRUE(solve_matched(b.input(image), nullptr, b.scratch.get(), b.out.get()).ok());
   for (std::size_t i = 0; i < moved; ++i) {
     EXPECT_FALSE(b.out->matches[i].inlier);
   }
@@ -237,8 +237,8 @@ TEST(SolveMatched, MarksWrongMatches) {
 }
 
 /// Every second landmark was last seen long ago, and the map has turned under it since.
-struct OldSide : Bench {
-  explicit OldSide(double drift_rad) {
+struct OldFace : Bench {
+  explicit OldFace(double drift_rad) {
     Map& map = *mapped.map;
     map.next_keyframe_number += 50;
     const Eigen::Matrix3d drift = so3_exp(drift_rad * Eigen::Vector3d(0.3, 0.9, 0.3).normalized());
@@ -252,9 +252,9 @@ struct OldSide : Bench {
     }
     Rng rng(5, 103);
     const Pose truth = turned(0.3);
-    const Picture picture = take_picture(body, truth, kNoise_px, 60, &rng);
-    EXPECT_TRUE(localise_guided(input(picture), truth, 4.0, scratch.get(), out.get()));
-    expect_right(picture, truth);
+    const Picture image = take_image(body, truth, kNoise_px, 60, &rng);
+    EXPECT_TRUE(localise_guided(input(image), truth, 4.0, scratch.get(), out.get()));
+    expect_right(image, truth);
   }
   [[nodiscard]] std::ptrdiff_t old_matches() const {
     return std::count_if(out->matches.begin(), out->matches.end(), [&](const LandmarkMatch& m) {
@@ -263,15 +263,15 @@ struct OldSide : Bench {
   }
 };
 
-TEST(OldSide, TakesPart_WhereItAgrees) {
-  const OldSide b(0.0);
+TEST(OldFace, TakesPart_WhereItAgrees) {
+  const OldFace b(0.0);
   EXPECT_GT(b.old_matches(), 30);
 }
 
-// 0.03 rad of drift is 5.6 px in the picture's middle and less towards its axis: some landmarks
+// 0.03 rad of drift is 5.6 px in the image's middle and less towards its axis: some landmarks
 // stay within the gate, most do not.
-TEST(OldSide, StaysOut_WhereItHasDrifted) {
-  const OldSide b(0.03);
+TEST(OldFace, StaysOut_WhereItHasDrifted) {
+  const OldFace b(0.03);
   EXPECT_EQ(b.old_matches(), 0);
   EXPECT_GT(b.out->matches.size(), 30U);
 }

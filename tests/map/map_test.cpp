@@ -244,7 +244,7 @@ TEST(RefreshLandmarks, GivesTheMiddleAndTheExtentOfTheBody) {
   EXPECT_NEAR(s.map->radius_mu, 1.0, 0.3);
 }
 
-/// What refresh_landmarks() derives; descriptors by their first octet.
+/// What refresh_landmarks() derives; descriptors by their first byte.
 std::vector<double> derived(const Map& map) {
   std::vector<double> values{map.centre_T.x(), map.centre_T.y(), map.centre_T.z(), map.radius_mu};
   for (const Landmark& landmark : map.landmarks) {

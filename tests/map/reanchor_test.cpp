@@ -42,12 +42,12 @@ std::vector<ReanchorFrame> frames(double turn_rad, double predicted_rate = 1.0) 
 
 TEST(Reanchoring, IsExact_WhenThePredictionIs) {
   const auto all = frames(0.6);
-  const Result<Reanchoring> found = reanchor_start(all, kBody);
+  const Result<Reanchoring> found = reanchor_map(all, kBody);
   ASSERT_TRUE(found.ok());
   const Reanchoring& reanchoring = found.value();
   EXPECT_LT(rotation_angle_rad(reanchoring.to_T.R_ba, truth().R_ba), 1e-9);
-  // The body's near side is thought half a radius from its centre and is 0.46: a few hundredths of
-  // the radius stay, whatever the turn tells.
+  // The body's near face is thought half a radius from its centre and is 0.46: a few hundredths of
+  // the radius stay, whatever the turn shows.
   EXPECT_LT((reanchoring.to_T.t_ba - truth().t_ba).norm(), 0.05 * kBody.radius_mu);
   EXPECT_NEAR(reanchoring.to_T.scale, truth().scale, 0.01 * truth().scale);
   EXPECT_LT(reanchoring.misfit_rad, 1e-9);
@@ -55,17 +55,17 @@ TEST(Reanchoring, IsExact_WhenThePredictionIs) {
   EXPECT_TRUE(reanchoring.agrees);
 }
 
-TEST(Reanchoring, KeepsTheOriginOnTheBody_WhenTheTurnTellsNothingOfItsDepth) {
+TEST(Reanchoring, KeepsTheOriginOnTheBody_WhenTheTurnGivesNothingOfItsDepth) {
   const auto all = frames(1e-4);
-  const Result<Reanchoring> found = reanchor_start(all, kBody);
+  const Result<Reanchoring> found = reanchor_map(all, kBody);
   ASSERT_TRUE(found.ok());
   EXPECT_LT((found.value().to_T.t_ba - kBody.centre_T).norm(), kBody.radius_mu);
 }
 
 TEST(Reanchoring, SaysThatTheMotionsContradict_WhenTheyTurnByDifferentRates) {
-  EXPECT_TRUE(reanchor_start(frames(0.6, 0.9), kBody).value().agrees);
-  EXPECT_FALSE(reanchor_start(frames(0.6, 0.7), kBody).value().agrees) << "disturbed meanwhile";
-  const Result<Reanchoring> mirrored = reanchor_start(frames(0.6, -1.0), kBody);
+  EXPECT_TRUE(reanchor_map(frames(0.6, 0.9), kBody).value().agrees);
+  EXPECT_FALSE(reanchor_map(frames(0.6, 0.7), kBody).value().agrees) << "disturbed meanwhile";
+  const Result<Reanchoring> mirrored = reanchor_map(frames(0.6, -1.0), kBody);
   ASSERT_TRUE(mirrored.ok());
   EXPECT_FALSE(mirrored.value().agrees);
   EXPECT_GT(mirrored.value().misfit_rad, 0.2);
@@ -76,42 +76,42 @@ TEST(Reanchoring, SaysThatTheMotionsContradict_ThoughThePhaseIsHardlyKnown) {
   // frames share is part of the rotation from T' to T and excuses none of it.
   auto all = frames(0.28, -1.0);
   for (ReanchorFrame& frame : all) frame.predicted_sigma_rad = 0.145;
-  EXPECT_FALSE(reanchor_start(all, kBody).value().agrees);
-  EXPECT_GT(reanchor_start(all, kBody).value().misfit_rad, 0.15);
+  EXPECT_FALSE(reanchor_map(all, kBody).value().agrees);
+  EXPECT_GT(reanchor_map(all, kBody).value().misfit_rad, 0.15);
   // One that grows by 0.4 rad over the start does: the rate is not known.
   for (std::size_t i = 0; i < all.size(); ++i) {
     all[i].predicted_sigma_rad = 0.1 + 0.05 * static_cast<double>(i);
   }
-  EXPECT_TRUE(reanchor_start(all, kBody).value().agrees);
+  EXPECT_TRUE(reanchor_map(all, kBody).value().agrees);
 }
 
 TEST(Reanchoring, DoesNotHold_WhereTheBodyMayHaveTurnedByAnything) {
   auto all = frames(0.6);
   for (ReanchorFrame& frame : all) frame.predicted_sigma_rad = 0.9;
-  EXPECT_TRUE(reanchor_start(all, kBody).value().agrees);
+  EXPECT_TRUE(reanchor_map(all, kBody).value().agrees);
   for (ReanchorFrame& frame : all) frame.predicted_sigma_rad = 1.1;
-  EXPECT_FALSE(reanchor_start(all, kBody).value().agrees) << "however alike the rates are";
+  EXPECT_FALSE(reanchor_map(all, kBody).value().agrees) << "however alike the rates are";
 }
 
 TEST(Reanchoring, DoesNotHold_WhereThePredictionEndsAnywhere) {
   std::vector<ReanchorFrame> all = frames(0.6, 0.9);
   all.back().predicted_sigma_rad = 0.9;
-  EXPECT_TRUE(reanchor_start(all, kBody).value().agrees);
+  EXPECT_TRUE(reanchor_map(all, kBody).value().agrees);
   all.back().predicted_sigma_rad = 3.5;  // of a body that is turned by hand
-  EXPECT_FALSE(reanchor_start(all, kBody).value().agrees);
+  EXPECT_FALSE(reanchor_map(all, kBody).value().agrees);
 }
 
 TEST(Reanchoring, RefusesWhatItCannotUse) {
   const auto all = frames(0.6);
-  EXPECT_EQ(reanchor_start(std::span(all).first(2), kBody).error().code,
+  EXPECT_EQ(reanchor_map(std::span(all).first(2), kBody).error().code,
             ErrorCode::kTooFewObservations);
-  EXPECT_EQ(reanchor_start(all, {.radius_mu = 0.0}).error().code, ErrorCode::kDegenerate);
+  EXPECT_EQ(reanchor_map(all, {.radius_mu = 0.0}).error().code, ErrorCode::kDegenerate);
   auto without_sigma = all;
   without_sigma[3].predicted_sigma_rad = 0.0;
-  EXPECT_EQ(reanchor_start(without_sigma, kBody).error().code, ErrorCode::kDegenerate);
+  EXPECT_EQ(reanchor_map(without_sigma, kBody).error().code, ErrorCode::kDegenerate);
   without_sigma = all;
   without_sigma[3].predicted_sigma_mu = 0.0;
-  EXPECT_EQ(reanchor_start(without_sigma, kBody).error().code, ErrorCode::kDegenerate);
+  EXPECT_EQ(reanchor_map(without_sigma, kBody).error().code, ErrorCode::kDegenerate);
 }
 
 }  // namespace

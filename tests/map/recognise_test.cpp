@@ -63,18 +63,18 @@ struct OtherLight : SeenFrame {
     }
     refresh_landmarks(made.map.get(), model);
     state->map = *made.map;
-    picture = take_picture(body, truth, 0.3, 100, &rng);
-    point_blobs(body, truth, picture.spot_of, picture.features.get());
-    for (std::size_t i = 0; i < picture.spot_of.size(); ++i) {
-      if (picture.spot_of[i] % alike_one_in != 0) {
-        (*picture.features)[i].descriptor = random_look(&rng);
+    image = take_image(body, truth, 0.3, 100, &rng);
+    point_blobs(body, truth, image.spot_of, image.features.get());
+    for (std::size_t i = 0; i < image.spot_of.size(); ++i) {
+      if (image.spot_of[i] % alike_one_in != 0) {
+        (*image.features)[i].descriptor = random_look(&rng);
       }
     }
   }
 
   [[nodiscard]] LocaliseInput localise_input() const {
     return {.map = &state->map,
-            .features = picture.features.get(),
+            .features = image.features.get(),
             .camera = &model,
             .options = &localise,
             .seed = 1};
@@ -112,7 +112,7 @@ TEST(Recognise, FindsThePose_WhereOneFeatureInSixLooksAsItDid) {
 TEST(Recognise, FindsNoPose_OfAnotherBody) {
   OtherLight light(ball(kSpots, kSeed), turned(0.4), 6);
   Rng rng(kSeed, 152);
-  light.picture = take_picture(ball(kSpots, kSeed + 1), turned(0.4), 0.3, 100, &rng);
+  light.image = take_image(ball(kSpots, kSeed + 1), turned(0.4), 0.3, 100, &rng);
   EXPECT_FALSE(recognise(light.localise_input(), nullptr, light.scratch.get(), &light.found).ok());
 }
 
@@ -132,13 +132,13 @@ TEST(AgreeingBlobs, AreNearlyAllOfARightPose_AndFewWhereBlobsPointAnyWay) {
   EXPECT_GE(agreeing_blobs(input, light.found), 3 * inliers / 4);  // a map's normals are rough
 
   Rng rng(kSeed, 153);
-  for (Feature& feature : *light.picture.features) {
+  for (Feature& feature : *light.image.features) {
     feature.angle_rad = static_cast<float>(2.0 * std::numbers::pi * rng.uniform());
   }
   // 20 deg of 180: one in nine, and three sigmas more of 150.
   EXPECT_LE(agreeing_blobs(input, light.found), inliers / 9 + 3 * 12);
 
-  for (Feature& feature : *light.picture.features) {
+  for (Feature& feature : *light.image.features) {
     feature.scale_px *= 2.0F;
   }
   EXPECT_EQ(agreeing_blobs(input, light.found), 0);

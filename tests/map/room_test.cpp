@@ -54,16 +54,16 @@ TEST(MakeLandmarkRoom, GivesUpTheLeastConfirmedFirst) {
 TEST(MakeLandmarkRoom, KeepsWhatTheNewestKeyframesSee) {
   const auto s = make_map(ball(300, 54), turn_by(0.1, 6), kNoise_px, 54);
   const Keyframe& newest = s.map->keyframes[s.keyframes.back().index()];
-  const auto tied = [&] {
+  const auto associated = [&] {
     return std::count_if(
         newest.landmark_of.begin(),
         newest.landmark_of.begin() + static_cast<std::ptrdiff_t>(newest.features.size()),
         [](LandmarkId id) { return id.valid(); });
   };
-  const auto before = tied();
+  const auto before = associated();
   ASSERT_GT(before, 20);
   (void)make_landmark_room(limits::kLandmarks, s.map.get());
-  EXPECT_EQ(tied(), before);
+  EXPECT_EQ(associated(), before);
   EXPECT_GT(s.map->landmark_count, 0);
   EXPECT_EQ(broken_promise(*s.map), "");
 }

@@ -1,4 +1,4 @@
-// A mapped body and one picture of it, as the functions of map/track.hpp take them.
+// A mapped body and one image of it, as the functions of map/track.hpp take them.
 #pragma once
 
 #include <memory>
@@ -16,11 +16,11 @@ struct SeenFrame {
   TrackOptions tracks;
   MapOptions options;
   cv::Mat gray;
-  Picture picture;
+  Picture image;
 
   [[nodiscard]] MapInput input() const {
     return {.gray = &gray,
-            .features = picture.features.get(),
+            .features = image.features.get(),
             .camera = &model,
             .localise = &localise,
             .tracks = &tracks,

@@ -16,7 +16,7 @@
 
 namespace polhode::synthetic {
 
-/// As RootSIFT makes them: octets of norm 512, unrelated ones some 500 apart.
+/// As RootSIFT makes them: bytes of norm 512, unrelated ones some 500 apart.
 inline Descriptor random_look(Rng* rng) {
   std::array<double, 128> values{};
   double sum = 0.0;
@@ -85,9 +85,9 @@ struct Picture {
 
 /// The features that a camera sees of the body: sides that face it, with noise, then clutter that
 /// is nothing.
-inline Picture take_picture(
+inline Picture take_image(
     const std::vector<Spot>& body, const Pose& pose, double noise_px, int clutter, Rng* rng) {
-  Picture picture;
+  Picture image;
   const CameraModel model = camera();
   const auto add =
       [&](const Eigen::Vector2d& pixel, double scale_px, const Descriptor& look, int spot) {
@@ -98,8 +98,8 @@ inline Picture take_picture(
         f.sigma_px = static_cast<float>(kNoise_px);
         f.scale_px = static_cast<float>(scale_px);
         f.descriptor = look;
-        if (picture.features->push_back(f)) {
-          picture.spot_of.push_back(spot);
+        if (image.features->push_back(f)) {
+          image.spot_of.push_back(spot);
         }
       };
   for (std::size_t i = 0; i < body.size(); ++i) {
@@ -121,7 +121,7 @@ inline Picture take_picture(
         random_look(rng),
         -1);
   }
-  return picture;
+  return image;
 }
 
 struct SyntheticMap {
@@ -130,7 +130,7 @@ struct SyntheticMap {
   std::vector<LandmarkId> landmark_of;  ///< per spot; invalid where no two keyframes see it
 };
 
-/// Every spot that two pictures see becomes a landmark at its true place, except those from
+/// Every spot that two images see becomes a landmark at its true place, except those from
 /// `mapped_spots` on.
 inline SyntheticMap make_map(const std::vector<Spot>& body,
                              const std::vector<Pose>& poses,
@@ -142,16 +142,16 @@ inline SyntheticMap make_map(const std::vector<Spot>& body,
   s.landmark_of.resize(body.size());
   std::vector<std::vector<std::pair<std::size_t, std::size_t>>> seen(body.size());
   for (std::size_t k = 0; k < poses.size(); ++k) {
-    const Picture picture = take_picture(body, poses[k], noise_px, 0, &rng);
+    const Picture image = take_image(body, poses[k], noise_px, 0, &rng);
     const KeyframeId id = add_keyframe(s.map.get());
     Keyframe& keyframe = s.map->keyframes[id.index()];
     keyframe.frame = static_cast<std::uint32_t>(k);
     keyframe.timestamp_ns = static_cast<std::int64_t>(k) * 1'000'000'000;
     keyframe.pose = poses[k];
-    keyframe.features = *picture.features;
+    keyframe.features = *image.features;
     s.keyframes.push_back(id);
-    for (std::size_t i = 0; i < picture.spot_of.size(); ++i) {
-      seen[static_cast<std::size_t>(picture.spot_of[i])].emplace_back(k, i);
+    for (std::size_t i = 0; i < image.spot_of.size(); ++i) {
+      seen[static_cast<std::size_t>(image.spot_of[i])].emplace_back(k, i);
     }
   }
   for (std::size_t spot = 0; spot < std::min(body.size(), mapped_spots); ++spot) {
@@ -180,7 +180,7 @@ inline std::vector<Pose> turn_by(double step_rad, int count) {
 
 /// What holds of a map at any time. @return text of the first promise that is broken, or empty.
 inline std::string broken_promise(const Map& map) {
-  std::vector<int> ties(map.landmarks.size(), 0);
+  std::vector<int> associations(map.landmarks.size(), 0);
   std::vector<std::uint32_t> numbers;
   for (const Keyframe& keyframe : map.keyframes) {
     if (!keyframe.used) {
@@ -198,14 +198,14 @@ inline std::string broken_promise(const Map& map) {
       if (!map.landmarks[id.index()].used) {
         return "a tie to a landmark that is gone";
       }
-      ++ties[id.index()];
+      ++associations[id.index()];
     }
   }
   int landmarks = 0;
   for (std::size_t i = 0; i < map.landmarks.size(); ++i) {
     if (map.landmarks[i].used) {
       ++landmarks;
-      if (map.landmarks[i].observations != ties[i]) {
+      if (map.landmarks[i].observations != associations[i]) {
         return "a landmark's observations are not its ties";
       }
     }

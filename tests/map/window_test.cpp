@@ -32,7 +32,7 @@ int moving(const AdjustmentSnapshot& s) {
   return static_cast<int>(std::count(s.pose_fixed.begin(), s.pose_fixed.end(), std::uint8_t{0}));
 }
 
-int held(const AdjustmentSnapshot& s) { return static_cast<int>(s.pose_fixed.size()) - moving(s); }
+int fixed(const AdjustmentSnapshot& s) { return static_cast<int>(s.pose_fixed.size()) - moving(s); }
 
 /// RMS distance of the landmarks' images from where they were seen, in pixels.
 double rms_px(const Map& map) {
@@ -91,8 +91,8 @@ TEST(SnapshotWindow, MovesTheWindow_AndHoldsAtMostTwiceAsManyOthers) {
   const auto snapshot_of_map = window_of(*s.map, 3);
   const AdjustmentSnapshot& snapshot = *snapshot_of_map;
   EXPECT_EQ(moving(snapshot), 3);
-  EXPECT_GE(held(snapshot), 1);
-  EXPECT_LE(held(snapshot), 6);
+  EXPECT_GE(fixed(snapshot), 1);
+  EXPECT_LE(fixed(snapshot), 6);
   EXPECT_EQ(snapshot.keyframes.size(), snapshot.poses.size());
   EXPECT_EQ(snapshot.landmarks.size(), snapshot.points_T.size());
   EXPECT_EQ(snapshot.points_T.size(), snapshot.point_fixed.size());
@@ -107,7 +107,7 @@ TEST(SnapshotWindow, HoldsAtLeastOneKeyframe_HoweverLargeTheWindow) {
   const auto snapshot_of_map = window_of(*s.map, 30);
   const AdjustmentSnapshot& snapshot = *snapshot_of_map;
   EXPECT_EQ(snapshot.keyframes.size(), 4U);
-  EXPECT_GE(held(snapshot), 1);
+  EXPECT_GE(fixed(snapshot), 1);
   EXPECT_GE(moving(snapshot), 1);
 }
 
@@ -123,8 +123,9 @@ TEST(SnapshotWindow, RefersOnlyToWhatItHolds) {
       ASSERT_LT(k, snapshot.keyframes.size());
       ASSERT_LT(p, snapshot.landmarks.size());
       EXPECT_GT(o.sigma_normalised, 0.0);
-      const auto& ties = s.map->keyframes[snapshot.keyframes[k].index()].landmark_of;
-      EXPECT_NE(std::find(ties.begin(), ties.end(), snapshot.landmarks[p]), ties.end());
+      const auto& associations = s.map->keyframes[snapshot.keyframes[k].index()].landmark_of;
+      EXPECT_NE(std::find(associations.begin(), associations.end(), snapshot.landmarks[p]),
+                associations.end());
     }
   }
 }
@@ -140,7 +141,7 @@ TEST(SnapshotAll, HasEveryKeyframeAndEveryLandmark_WithItsObservations) {
     observations += landmark.used ? landmark.observations : 0;
   }
   EXPECT_EQ(static_cast<int>(snapshot.observations.size()), observations);
-  EXPECT_GE(held(snapshot), 1);
+  EXPECT_GE(fixed(snapshot), 1);
 }
 
 TEST(SnapshotAll, LeavesOutTheOldestObservations_WhenTheTableIsFull_AndTheRestIsAdjusted) {
@@ -205,7 +206,7 @@ TEST(Adjust, OfAWindow_DoesNotMoveWhatIsHeld) {
   const auto before = std::make_unique<Map>(*s.map);
   const auto window_of_map = window_of(*s.map, 3);
   AdjustmentSnapshot& window = *window_of_map;
-  ASSERT_GE(held(window), 2);
+  ASSERT_GE(fixed(window), 2);
   ASSERT_TRUE(adjust(&window, kBundle).usable);
   (void)apply(window, s.map.get());
   std::vector<bool> moved(limits::kKeyframes, false);

@@ -23,7 +23,7 @@ cv::Mat outline(const cv::Rect& target = kTarget) {
 }
 
 /// A gray ramp, with a target of 200 where it is.
-cv::Mat picture(int frame, const cv::Rect& target = kTarget) {
+cv::Mat image(int frame, const cv::Rect& target = kTarget) {
   cv::Mat gray(kSize, CV_8UC1);
   Rng rng(5, static_cast<std::uint64_t>(frame));
   for (int row = 0; row < gray.rows; ++row) {
@@ -39,7 +39,7 @@ cv::Mat picture(int frame, const cv::Rect& target = kTarget) {
 BackgroundModel learned(int frames) {
   BackgroundModel model;
   for (int i = 0; i < frames; ++i) {
-    learn_background(picture(i), outline(), kNoise, &model);
+    learn_background(image(i), outline(), kNoise, &model);
   }
   return model;
 }
@@ -54,13 +54,13 @@ double part_known(const cv::Mat& gray, BackgroundModel model, const cv::Rect& bo
 TEST(BackgroundModel, KnowsWhatItSaw_WhereTheTargetStandsNow) {
   const BackgroundModel model = learned(8);
   const cv::Rect elsewhere(10, 10, 20, 20);
-  EXPECT_GT(part_known(picture(20), model, cv::Rect(5, 5, 30, 80)), 0.99);
-  EXPECT_EQ(part_known(picture(20, elsewhere), model, cv::Rect(11, 11, 18, 18)), 0.0);
+  EXPECT_GT(part_known(image(20), model, cv::Rect(5, 5, 30, 80)), 0.99);
+  EXPECT_EQ(part_known(image(20, elsewhere), model, cv::Rect(11, 11, 18, 18)), 0.0);
 }
 
-TEST(BackgroundModel, KnowsNothing_AfterAFewPictures) {
-  EXPECT_EQ(part_known(picture(20), learned(3), kWhole), 0.0);
-  EXPECT_EQ(part_known(picture(20), {}, kWhole), 0.0);
+TEST(BackgroundModel, IsEmpty_AfterAFewImages) {
+  EXPECT_EQ(part_known(image(20), learned(3), kWhole), 0.0);
+  EXPECT_EQ(part_known(image(20), {}, kWhole), 0.0);
 }
 
 TEST(BackgroundModel, DoesNotLearnTheTarget_NorWhatTheOutlineMayLackOfIt) {
@@ -69,31 +69,31 @@ TEST(BackgroundModel, DoesNotLearnTheTarget_NorWhatTheOutlineMayLackOfIt) {
                        kTarget.y - kOutlineOff_px + 1,
                        kTarget.width + 2 * kOutlineOff_px - 2,
                        kTarget.height + 2 * kOutlineOff_px - 2);
-  EXPECT_EQ(part_known(picture(40), model, about), 0.0);
+  EXPECT_EQ(part_known(image(40), model, about), 0.0);
 }
 
-TEST(BackgroundModel, ResetsAPlaceThatLooksDifferentForAsLong_AndLearnsItAnew) {
+TEST(BackgroundModel, ResetsAPlaceThatLooksDifferentForAsLong_AndLearnsItAgain) {
   BackgroundModel model = learned(40);
   const cv::Rect box(5, 5, 30, 30);  // something has been put down there
-  const auto changed = [&](int frame) { return picture(frame, box); };
+  const auto changed = [&](int frame) { return image(frame, box); };
   for (int i = 0; i < 10; ++i) {
     learn_background(changed(100 + i), outline(), kNoise, &model);
   }
-  EXPECT_GT(part_known(picture(50), model, box), 0.95);  // passed by, as a shadow
+  EXPECT_GT(part_known(image(50), model, box), 0.95);  // passed by, as a shadow
   for (int i = 10; i < 30; ++i) {
     learn_background(changed(100 + i), outline(), kNoise, &model);
   }
-  EXPECT_LT(part_known(picture(50), model, box), 0.01);
+  EXPECT_LT(part_known(image(50), model, box), 0.01);
   EXPECT_GT(part_known(changed(200), model, cv::Rect(8, 8, 24, 24)), 0.99);
 }
 
-TEST(BackgroundModel, KnowsNothing_OnceCleared) {
+TEST(BackgroundModel, IsEmpty_OnceCleared) {
   BackgroundModel model = learned(20);
   clear(&model);
-  EXPECT_EQ(part_known(picture(20), model, kWhole), 0.0);
+  EXPECT_EQ(part_known(image(20), model, kWhole), 0.0);
 }
 
-TEST(StandsStill, OnlyWhereAMotionLeavesThePictureWhereItWas) {
+TEST(StandsStill, OnlyWhereAMotionLeavesTheImageWhereItWas) {
   const cv::Matx33d still = cv::Matx33d::eye();
   const cv::Matx33d shifted(1, 0, 0.8, 0, 1, 0, 0, 0, 1);
   const cv::Matx33d turned(1, -0.01, 0, 0.01, 1, 0, 0, 0, 1);

@@ -10,18 +10,18 @@ namespace {
 
 using moving::Scene;
 
-/// Points that were followed through the first pictures of a scene.
-PointsState followed(const Scene& scene, int pictures) {
+/// Points that were followed through the first images of a scene.
+PointsState followed(const Scene& scene, int images) {
   PointsState points;
-  for (int i = 0; i < pictures; ++i) {
-    add_picture(scene.picture(i), {}, &points);
+  for (int i = 0; i < images; ++i) {
+    add_image(scene.image(i), {}, &points);
     follow_points(&points);
     refill_points({}, Refill::kEverywhere, &points);
   }
   return points;
 }
 
-/// A disc of a third of the picture's height goes to the right, the room behind it to the left.
+/// A disc of a third of the image's height goes to the right, the room behind it to the left.
 const Scene kScene{.background_px = {-0.6, 0.0}, .target_px = {1.0, 0.0}};
 
 TEST(ExplainBackground, SeparatesAsManyPoints_ByOneAgeAsByBoth) {
@@ -42,7 +42,7 @@ TEST(ExplainBackground, SeparatesAsManyPoints_ByOneAgeAsByBoth) {
 }
 
 TEST(ExplainBackground, TakesTheOtherAge_WhereTheOneRequestedHasNoMotion) {
-  PointsState points = followed(kScene, 2);  // no picture is two pictures old
+  PointsState points = followed(kScene, 2);  // no image is two images old
   BackgroundState background;
   EXPECT_TRUE(explain_background({}, 1, FittedAges::kLonger, &points, &background));
   EXPECT_FALSE(background.motions[0].layers.empty());
@@ -50,7 +50,7 @@ TEST(ExplainBackground, TakesTheOtherAge_WhereTheOneRequestedHasNoMotion) {
 }
 
 TEST(ChooseAge, IsTheSame_ByWhicheverAgeIsFitted) {
-  // Over two pictures the target differs by 3.2 px from what is behind it, which is enough and not
+  // Over two images the target differs by 3.2 px from what is behind it, which is enough and not
   // too much.
   for (const FittedAges ages : {FittedAges::kShorter, FittedAges::kLonger, FittedAges::kBoth}) {
     PointsState points = followed(kScene, 10);

@@ -34,16 +34,16 @@ TEST(IsBehind, IsTrueOnlyWhereTheImageBorderIsLit) {
     const cv::Mat cells = drawn(&rng);
     const bool was_behind = rng.below(2) == 1;
     const cv::Rect body = rng.below(2) == 1 ? cv::Rect(20, 10, 40, 50) : cv::Rect();
-    const bool said = is_behind(cells, body, was_behind, &scratch);
-    EXPECT_TRUE(!said || border_is_lit(cells)) << i;
+    const bool found_bits = is_behind(cells, body, was_behind, &scratch);
+    EXPECT_TRUE(!found_bits || border_is_lit(cells)) << i;
     lit += border_is_lit(cells) ? 1 : 0;
-    behind += said ? 1 : 0;
+    behind += found_bits ? 1 : 0;
   }
   EXPECT_GT(behind, 100);
   EXPECT_GT(lit, behind);
 }
 
-TEST(IsBehind, DoesNotCountABodyThatTheMapKnows) {
+TEST(IsBehind, DoesNotCountABodyInTheMap) {
   cv::Mat cells = dark();
   cells(cv::Rect(20, 0, 30, kRows)).setTo(255);  // a fifth of the border, from top to bottom
   OutlineScratch scratch;

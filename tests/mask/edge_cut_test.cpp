@@ -25,7 +25,7 @@ cv::Mat body() {
 }
 
 /// A body 60 levels brighter than what is behind it.
-cv::Mat picture() {
+cv::Mat image() {
   cv::Mat gray(kSize, CV_8UC1, cv::Scalar(80));
   gray(kBody).setTo(140);
   Rng rng(3, 0);
@@ -42,7 +42,7 @@ void cut(const cv::Mat& gray,
          int unary_px,
          const CutReach& reach,
          cv::Mat* outline) {
-  PictureEdges edges;
+  ImageEdges edges;
   measure_edges(gray, cv::Rect(cv::Point(), gray.size()), &edges);
   cut_at_edges(edges, {.value = unary, .seeds = seeds, .cell_px = unary_px}, reach, outline);
 }
@@ -62,24 +62,24 @@ cv::Mat unary_of(const cv::Mat& outline, int cell_px) {
 }
 
 // verifies: MSK-04
-TEST(CutAtEdges, ComesBackToTheEdge_FromAnOutlineThatIsTooWideOnOneSide) {
+TEST(CutAtEdges, ReturnsToTheEdge_FromAnOutlineThatIsTooWideOnOneSide) {
   // As behind a moving target: 4 px that it has uncovered.
   cv::Mat outline = body();
   outline(cv::Rect(kBody.x - 4, kBody.y, 4, kBody.height)).setTo(255);
   ASSERT_LT(overlap(outline, body()), 0.95);
-  cut(picture(), unary_of(outline, 1), {}, 1, {.px = kReach_px}, &outline);
+  cut(image(), unary_of(outline, 1), {}, 1, {.px = kReach_px}, &outline);
   EXPECT_GE(overlap(outline, body()), 0.97);
 }
 
 TEST(CutAtEdges, LeavesAnEmptyOutlineAlone) {
   cv::Mat outline(kSize, CV_8UC1, cv::Scalar(0));
-  cut(picture(), cv::Mat(kSize, CV_32FC1, cv::Scalar(0.3F)), {}, 1, {.px = kReach_px}, &outline);
+  cut(image(), cv::Mat(kSize, CV_32FC1, cv::Scalar(0.3F)), {}, 1, {.px = kReach_px}, &outline);
   EXPECT_EQ(cv::countNonZero(outline), 0);
 }
 
-TEST(CutAtEdges, LeavesAnOutlineThatFillsThePictureAlone) {
+TEST(CutAtEdges, LeavesAnOutlineThatFillsTheImageAlone) {
   cv::Mat outline(kSize, CV_8UC1, cv::Scalar(255));
-  cut(picture(), cv::Mat(kSize, CV_32FC1, cv::Scalar(-0.3F)), {}, 1, {.px = kReach_px}, &outline);
+  cut(image(), cv::Mat(kSize, CV_32FC1, cv::Scalar(-0.3F)), {}, 1, {.px = kReach_px}, &outline);
   EXPECT_EQ(cv::countNonZero(outline), kSize.area());
 }
 
@@ -102,19 +102,14 @@ TEST(CutAtEdges, KeepsSeeds_WhateverTheUnaryCost) {
   cv::Mat outline = body();
   cv::Mat seeds(kSize, CV_8UC1, cv::Scalar(0));
   cv::circle(seeds, {80, 60}, 4, cv::Scalar(255), cv::FILLED);
-  cut(picture(),
-      cv::Mat(kSize, CV_32FC1, cv::Scalar(-0.3F)),
-      seeds,
-      1,
-      {.px = kReach_px},
-      &outline);
+  cut(image(), cv::Mat(kSize, CV_32FC1, cv::Scalar(-0.3F)), seeds, 1, {.px = kReach_px}, &outline);
   EXPECT_EQ(cv::countNonZero(seeds & ~outline), 0);
 }
 
 TEST(CutAtEdges, ByCells_EndsWithinACellOfTheEdge_FromFurtherAway) {
   cv::Mat outline = body();
   outline(cv::Rect(kBody.x - 9, kBody.y, 9, kBody.height)).setTo(255);
-  cut(picture(), unary_of(outline, 2), {}, 2, {.px = 10, .cell_px = 2}, &outline);
+  cut(image(), unary_of(outline, 2), {}, 2, {.px = 10, .cell_px = 2}, &outline);
   cv::Mat widest;
   cv::Mat narrowest;
   cv::dilate(body(), widest, cv::Mat::ones(5, 5, CV_8UC1));
@@ -126,7 +121,7 @@ TEST(CutAtEdges, ByCells_EndsWithinACellOfTheEdge_FromFurtherAway) {
 
 TEST(CutAtEdges, ByCells_LeavesTheRowAndColumnThatFillNoCell) {
   const cv::Size odd(kSize.width - 1, kSize.height - 1);
-  const cv::Mat gray = picture()(cv::Rect(cv::Point(), odd)).clone();
+  const cv::Mat gray = image()(cv::Rect(cv::Point(), odd)).clone();
   cv::Mat outline(odd, CV_8UC1, cv::Scalar(0));
   const cv::Rect corner(101, 81, odd.width - 101, odd.height - 81);
   outline(corner).setTo(255);
@@ -146,7 +141,7 @@ TEST(CutAtEdges, ByCells_KeepsSeeds_WhateverTheUnaryCost) {
   cv::Mat seeds(kSize / 2, CV_8UC1, cv::Scalar(0));
   cv::circle(seeds, {25, 20}, 2, cv::Scalar(255), cv::FILLED);
   const cv::Mat against(kSize / 2, CV_32FC1, cv::Scalar(-3.0F));
-  cut(picture(), against, seeds, 2, {.px = 10, .cell_px = 2}, &outline);
+  cut(image(), against, seeds, 2, {.px = 10, .cell_px = 2}, &outline);
   cv::Mat left_out;
   cv::resize(~outline, left_out, seeds.size(), 0.0, 0.0, cv::INTER_AREA);
   EXPECT_EQ(cv::countNonZero(seeds & left_out), 0);
@@ -156,15 +151,15 @@ TEST(CutAtEdges, ByCells_KeepsSeeds_WhateverTheUnaryCost) {
 TEST(CutAtEdges, EndsAtTheEdge_ByPixels_WhereUnaryCostsAreByCells) {
   cv::Mat outline = body();
   outline(cv::Rect(kBody.x - 4, kBody.y, 4, kBody.height)).setTo(255);
-  cut(picture(), unary_of(outline, 2), {}, 2, {.px = kReach_px}, &outline);
+  cut(image(), unary_of(outline, 2), {}, 2, {.px = kReach_px}, &outline);
   EXPECT_GE(overlap(outline, body()), 0.97);
 }
 
 TEST(CutAtEdges, LeavesWhatIsOutsideOfTheEdgesAlone) {
   cv::Mat outline = body();
   const cv::Mat unary(kSize, CV_32FC1, cv::Scalar(-3.0F));
-  PictureEdges edges;
-  measure_edges(picture(), {20, 30, 60, 61}, &edges);
+  ImageEdges edges;
+  measure_edges(image(), {20, 30, 60, 61}, &edges);
   EXPECT_EQ(edges.box, cv::Rect(20, 30, 60, 62));  // cells are whole
   cut_at_edges(edges, {.value = unary, .seeds = {}, .cell_px = 1}, {.px = kReach_px}, &outline);
   EXPECT_LT(cv::countNonZero(outline), kBody.area());

@@ -20,13 +20,13 @@ struct Follower {
   TargetMask mask;
   MaskOptions options;
 
-  void show(const cv::Mat& picture, const MaskPrior& prior = {}) {
-    find_target(picture, options, &mask);
-    follow_target(picture, prior, options, state.get(), &mask);
+  void show(const cv::Mat& image, const MaskPrior& prior = {}) {
+    find_target(image, options, &mask);
+    follow_target(image, prior, options, state.get(), &mask);
   }
   void show(const Scene& scene, int first, int frames, const MaskPrior& prior = {}) {
     for (int i = first; i < first + frames; ++i) {
-      show(scene.picture(i), prior);
+      show(scene.image(i), prior);
     }
   }
 };
@@ -115,7 +115,7 @@ TEST(FollowTarget, IsFindTarget_BeforeBlackSpace) {
   for (int i = 0; i < 6; ++i) {
     follower.show(scene, i, 1);
     TargetMask alone;
-    find_target(scene.picture(i), {}, &alone);
+    find_target(scene.image(i), {}, &alone);
     EXPECT_FALSE(follower.state->behind);
     EXPECT_EQ(follower.mask.region_px, alone.region_px);
     EXPECT_EQ(cv::norm(follower.mask.cells, alone.cells, cv::NORM_L1), 0.0);
@@ -142,7 +142,7 @@ TEST(FollowTarget, TakesEverythingLit_WhereNoMotionExplainsTheBackground) {
   EXPECT_EQ(follower.mask.region_px, cv::Rect(0, 0, moving::kWidth, moving::kHeight));
 }
 
-TEST(FollowTarget, KeepsTheTarget_WhereTheMapSaysThatItIs_ThoughNothingMoves) {
+TEST(FollowTarget, KeepsTheTarget_WhereTheMapPredictsIt_ThoughNothingMoves) {
   const Scene scene;
   const std::vector<cv::Point2f> points = landmarks_of_disc({160.0, 120.0}, 38.0);
   Follower follower;
@@ -215,7 +215,7 @@ TEST(FollowTarget, RemembersARoom_WhileTheCameraStandsStill) {
   follower.show(still, 0, 30);
   const auto known = [&] { return cv::countNonZero(follower.state->background_model.votes >= 4); };
   EXPECT_GT(known(), moving::kWidth * moving::kHeight / 2);
-  match_background(still.picture(29), still.noise, &follower.state->background_model);
+  match_background(still.image(29), still.noise, &follower.state->background_model);
   const cv::Mat& matches = follower.state->background_model.matches;
   // Levels from 60 to 200 on both sides: a tenth of the target is within the noise of what is
   // behind it.
@@ -243,7 +243,7 @@ TEST(RulesOut, WhatLiesBeyondASharpenedOutline_AndNothingWithoutOne) {
   EXPECT_FALSE(ruled_out(0.0));
   EXPECT_FALSE(ruled_out(scene.radius_px + 1.0));
   EXPECT_TRUE(ruled_out(scene.radius_px + 15.0));
-  EXPECT_TRUE(rules_out(*follower.state, -3.0F, 500.0F));  // not in the picture
+  EXPECT_TRUE(rules_out(*follower.state, -3.0F, 500.0F));  // not in the image
   follower.show(scene, kFrames, 1);
   EXPECT_FALSE(ruled_out(scene.radius_px + 15.0));
 }
@@ -256,13 +256,13 @@ TEST(OpenOutline, LeavesTheMaskToTheMap_WhereThereIsOne) {
   sharpen_outline(follower.state.get());
   ASSERT_TRUE(follower.state->sharp);
   const cv::Mat before = follower.mask.cells.clone();
-  open_outline(scene.picture(0).size(), follower.state.get(), &follower.mask);
+  open_outline(scene.image(0).size(), follower.state.get(), &follower.mask);
   EXPECT_EQ(cv::norm(before, follower.mask.cells, cv::NORM_INF), 0.0);
 }
 
 TEST(OpenOutline, OpensTheBodyToItsSilhouette_BeforeAMap) {
   const Scene scene{.target_turn_deg = 3.0};
-  const cv::Size size = scene.picture(0).size();
+  const cv::Size size = scene.image(0).size();
   Follower follower;
   follower.show(scene, 0, kFrames);
   const cv::Mat truth = scene.truth(kFrames - 1);
@@ -306,7 +306,7 @@ TEST(SharpenOutline, FindsTheEdge_FromAPriorThatIsOffByAFewPixels) {
   follower.show(scene, 0, kFrames, {.points_px = points, .radius_px = 40.0});
   sharpen_outline(follower.state.get());
   EXPECT_TRUE(follower.state->sharp);
-  // Both sides of the edge are of the same texture: motion alone tells them apart, to 3 px of 40.
+  // Both sides of the edge are of the same texture: motion alone distinguishes them, to 3 px of 40.
   EXPECT_GE(overlap(follower.state->outline, scene.truth(kFrames - 1)), 0.8);
 }
 
@@ -338,9 +338,9 @@ TEST(FollowTarget, FindsATarget_BesideAStripOfBackground) {
 
 TEST(FollowTarget, AKnownBodyThatFillsTheImageBorderIsNoBackground) {
   const Scene scene{.radius_px = 250.0, .background = false};
-  const cv::Mat picture = scene.picture(0);
+  const cv::Mat image = scene.image(0);
   Follower follower;
-  follower.show(picture);
+  follower.show(image);
   EXPECT_TRUE(follower.state->behind) << "nobody knows yet";
   std::vector<cv::Point2f> landmarks;
   for (float u_px = 20.0F; u_px < 310.0F; u_px += 20.0F) {
@@ -349,19 +349,19 @@ TEST(FollowTarget, AKnownBodyThatFillsTheImageBorderIsNoBackground) {
     }
   }
   Follower knowing;
-  knowing.show(picture, {.points_px = landmarks, .radius_px = 250.0});
+  knowing.show(image, {.points_px = landmarks, .radius_px = 250.0});
   EXPECT_FALSE(knowing.state->behind);
   EXPECT_GT(open_part(knowing.mask, scene.truth(0)), 0.9);
 }
 
 TEST(FollowTarget, WhatATargetStandsOnIsNoBackground) {
   const Scene scene{.background = false};
-  cv::Mat picture = scene.picture(0);
-  picture(cv::Rect(0, 200, moving::kWidth, 40)).setTo(90);
-  cv::Mat standing = picture.clone();
+  cv::Mat image = scene.image(0);
+  image(cv::Rect(0, 200, moving::kWidth, 40)).setTo(90);
+  cv::Mat standing = image.clone();
   standing(cv::Rect(150, 150, 20, 60)).setTo(90);
   Follower apart;
-  apart.show(picture);
+  apart.show(image);
   EXPECT_TRUE(apart.state->behind);
   Follower one_piece;
   one_piece.show(standing);

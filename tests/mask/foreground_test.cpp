@@ -29,7 +29,7 @@ float at(const ForegroundState& state, int row, int column) {
   return state.log_odds.at<float>(row / state.step, column / state.step);
 }
 
-TEST(ResizeLogOdds, KnowsNothing_OfTheFirstPicture_OrOneOfAnotherSize) {
+TEST(ResizeLogOdds, IsEmpty_OfTheFirstImage_OrOneOfAnotherSize) {
   ForegroundState state;
   resize_log_odds(kSize, 2, &state);
   EXPECT_EQ(state.log_odds.size(), kSize / 2);
@@ -39,7 +39,7 @@ TEST(ResizeLogOdds, KnowsNothing_OfTheFirstPicture_OrOneOfAnotherSize) {
   EXPECT_EQ(state.log_odds.size(), cv::Size(45, 36));  // the last row is in a cell of its own
   EXPECT_EQ(cv::countNonZero(state.log_odds), 0);
   state.log_odds.setTo(1.0);
-  resize_log_odds({45, 36}, 1, &state);  // as many, of another picture
+  resize_log_odds({45, 36}, 1, &state);  // as many, of another image
   EXPECT_EQ(state.step, 1);
   EXPECT_EQ(cv::countNonZero(state.log_odds), 0);
 }

@@ -1,4 +1,4 @@
-// A mask that tells nothing apart any more.
+// A mask that distinguishes nothing any more.
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -18,13 +18,13 @@ struct Mask {
   TargetMask target;
   MaskOptions options;
 
-  void show(const cv::Mat& picture) {
-    find_target(picture, options, &target);
-    follow_target(picture, {}, options, state.get(), &target);
+  void show(const cv::Mat& image) {
+    find_target(image, options, &target);
+    follow_target(image, {}, options, state.get(), &target);
   }
   void show(const Scene& scene, int first, int frames) {
     for (int i = first; i < first + frames; ++i) {
-      show(scene.picture(i));
+      show(scene.image(i));
     }
   }
 };
@@ -35,7 +35,7 @@ TEST(IsOpen, OnceNoMotionHasExplainedWhatIsBehindForSomeImages) {
   const auto show_unlike = [&](std::uint64_t seed) {
     Scene scene{.target = false};
     scene.behind = moving::texture(900, seed);
-    mask.show(scene.picture(0));
+    mask.show(scene.image(0));
   };
   const Scene scene{.background_px = {3.0, 1.0}, .target_turn_deg = 3.0};
   mask.show(scene, 0, kFrames);
@@ -99,7 +99,7 @@ TEST(MayBeBackground, WhereAnOpenMaskIsFollowedAtTheBorder) {
   for (std::uint64_t seed = 10; seed < 30 && !is_open(*mask.state); ++seed) {
     Scene scene{.target = false};
     scene.behind = moving::texture(900, seed);
-    mask.show(scene.picture(0));
+    mask.show(scene.image(0));
   }
   ASSERT_TRUE(is_open(*mask.state));
   const cv::Rect whole = mask.state->points.whole();

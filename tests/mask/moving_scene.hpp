@@ -1,4 +1,4 @@
-// Pictures of a textured disc before a textured background, each with a motion of its own.
+// Images of a textured disc before a textured background, each with a motion of its own.
 #pragma once
 
 #include <cmath>
@@ -54,7 +54,7 @@ struct Scene {
     return mask;
   }
 
-  [[nodiscard]] cv::Mat picture(int frame) const {
+  [[nodiscard]] cv::Mat image(int frame) const {
     cv::Mat gray(kHeight, kWidth, CV_8UC1, cv::Scalar(0));
     if (background) {
       const cv::Matx23d move(

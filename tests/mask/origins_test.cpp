@@ -1,4 +1,4 @@
-// Where a picture's pixels come from.
+// Where an image's pixels come from.
 #include "mask/origins.hpp"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ const cv::Size kSize(160, 120);
 const cv::Rect kRegion(16, 24, 101, 77);
 
 /// Pixels are numbered.
-cv::Mat picture() {
+cv::Mat image() {
   cv::Mat numbers(kSize, CV_16UC1);
   std::iota(numbers.begin<std::uint16_t>(), numbers.end<std::uint16_t>(), std::uint16_t{0});
   return numbers;
@@ -24,28 +24,28 @@ cv::Mat seen_through(const cv::Matx33d& motion, const cv::Rect& region) {
   Origins origins;
   cv::Mat out;
   trace_plane(motion, region, kSize, &origins);
-  look_up(picture(), origins, &out);
+  look_up(image(), origins, &out);
   return out;
 }
 
 TEST(TracePlane, IsTheLibrarysWarp_ToTheNearestPixel) {
   const cv::Matx33d motion(1.02, -0.03, 2.3, 0.02, 0.99, -1.6, 1E-4, -2E-4, 1.0);
   cv::Mat warped;
-  cv::warpPerspective(picture(), warped, motion, kSize, cv::INTER_NEAREST, cv::BORDER_REPLICATE);
+  cv::warpPerspective(image(), warped, motion, kSize, cv::INTER_NEAREST, cv::BORDER_REPLICATE);
   const cv::Mat found = seen_through(motion, kRegion);
   ASSERT_EQ(found.size(), kRegion.size());
   EXPECT_LT(cv::mean(found != warped(kRegion))[0] / 255.0, 0.05)
       << "halves are rounded in another way";
 }
 
-TEST(TracePlane, RepeatsTheBorder_OutsideOfThePicture_HoweverFar) {
+TEST(TracePlane, RepeatsTheBorder_OutsideOfTheImage_HoweverFar) {
   for (const double shift_px : {30.0, 3E4, 1E12}) {
     const cv::Mat found = seen_through({1, 0, shift_px, 0, 1, 0, 0, 0, 1}, {0, 0, 20, 120});
-    EXPECT_EQ(cv::norm(found.col(3), picture().col(0), cv::NORM_INF), 0.0) << shift_px;
+    EXPECT_EQ(cv::norm(found.col(3), image().col(0), cv::NORM_INF), 0.0) << shift_px;
   }
 }
 
-TEST(TracePlane, StaysInThePicture_WhereAPlaneIsSeenFromItsEdge) {
+TEST(TracePlane, StaysInTheImage_WhereAPlaneIsSeenFromItsEdge) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const cv::Matx33d& motion :
        {cv::Matx33d(1, 0, 0, 0, 1, 0, -0.02, 0, 1), cv::Matx33d::zeros(), cv::Matx33d::all(nan)}) {
@@ -70,10 +70,10 @@ TEST(TraceFlow, BringsBackWhatHasMoved) {
   Origins origins;
   cv::Mat found;
   trace_flow(steady({6.3F, -4.2F}), kCell_px, kRegion, kSize, &origins);
-  look_up(picture(), origins, &found);
+  look_up(image(), origins, &found);
   const cv::Rect there(kRegion.tl() - cv::Point(6, -4), kRegion.size());
   ASSERT_EQ(found.size(), kRegion.size());
-  EXPECT_EQ(cv::norm(found, picture()(there), cv::NORM_INF), 0.0);
+  EXPECT_EQ(cv::norm(found, image()(there), cv::NORM_INF), 0.0);
 }
 
 TEST(Carry, BringsAlongWhatIsKnown_BetweenCells_ByPixelsAndByCells) {

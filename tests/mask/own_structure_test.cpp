@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kWidth = 200;
 constexpr int kHeight = 120;
-const cv::Rect kArm(0, 80, 60, 40);    // at rest in the picture's corner
+const cv::Rect kArm(0, 80, 60, 40);    // at rest in the image's corner
 const cv::Rect kBody(90, 30, 50, 50);  // apart from it
 
 cv::Mat drawing() {
@@ -21,7 +21,7 @@ cv::Mat drawing() {
   return pixels;
 }
 
-cv::Mat picture() {
+cv::Mat image() {
   cv::Mat gray = cv::Mat::zeros(kHeight, kWidth, CV_8UC1);
   gray(kArm).setTo(200);
   gray(kBody).setTo(120);
@@ -29,9 +29,9 @@ cv::Mat picture() {
 }
 
 // verifies: MSK-06
-TEST(OwnStructure, IsBlackInThePicture_AndNothingElseChanges) {
+TEST(OwnStructure, IsBlackInTheImage_AndNothingElseChanges) {
   const OwnStructure own = own_structure(drawing());
-  cv::Mat gray = picture();
+  cv::Mat gray = image();
   blacken(own, &gray);
   EXPECT_EQ(cv::countNonZero(gray(kArm)), 0);
   EXPECT_EQ(cv::countNonZero(gray), kBody.area());
@@ -41,7 +41,7 @@ TEST(OwnStructure, IsBlackInThePicture_AndNothingElseChanges) {
 TEST(OwnStructure, IsNoTarget_AndTheBodyBesideItIs) {
   const OwnStructure own = own_structure(drawing());
   TargetMask mask;
-  find_target(picture(), {}, &mask);
+  find_target(image(), {}, &mask);
   ASSERT_TRUE(mask.contains(20, 100));
   close_cells(own, &mask);
   for (int v = kArm.y; v < kHeight; ++v) {
@@ -57,7 +57,7 @@ TEST(OwnStructure, IsNoTarget_AndTheBodyBesideItIs) {
 TEST(OwnStructure, ClosesTwoCellsAroundIt_AsItsSilhouetteIsAtRest) {
   const OwnStructure own = own_structure(drawing());
   TargetMask mask;
-  find_target(picture(), {.enabled = false}, &mask);
+  find_target(image(), {.enabled = false}, &mask);
   close_cells(own, &mask);
   constexpr int kTwoCells_px = 2 * TargetMask::kCell_px;
   EXPECT_FALSE(mask.contains(kArm.br().x + kTwoCells_px - 1, 100));
@@ -85,8 +85,8 @@ TEST(OwnStructure, HasNoPointsAndNoOutline) {
   EXPECT_EQ(state.outline.at<std::uint8_t>(55, 115), 255);
 }
 
-TEST(OwnStructure, IsReducedAsPicturesAre) {
-  // 1366 x 770: a quarter of it is 341.5 x 192.5, and the working picture leaves out what is
+TEST(OwnStructure, IsReducedAsImagesAre) {
+  // 1366 x 770: a quarter of it is 341.5 x 192.5, and the working image leaves out what is
   // beyond.
   cv::Mat pixels = cv::Mat::zeros(770, 1366, CV_8UC1);
   pixels.at<std::uint8_t>(769, 1365) = 1;

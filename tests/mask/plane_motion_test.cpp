@@ -75,7 +75,8 @@ TEST(FitPlaneMotion, FindsNone_AmongStrays_OrTooFew_OrPointsInOnePlace) {
   few.add(5, true, 6);
   EXPECT_FALSE(fit_plane_motion(few.from, few.to, 1.0, &motion, &agrees));
   const std::vector<cv::Point2f> one_place(20, cv::Point2f(100, 100));
-  (void)fit_plane_motion(one_place, one_place, 1.0, &motion, &agrees);  // returns, whatever it says
+  (void)fit_plane_motion(
+      one_place, one_place, 1.0, &motion, &agrees);  // returns, whatever the result
 }
 
 }  // namespace

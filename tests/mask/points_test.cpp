@@ -47,7 +47,7 @@ void lose_upper_half(PointsState* points) {
   points->tracks.resize(kept);
 }
 
-/// The part of a blurred random picture that starts at a place.
+/// The part of a blurred random image that starts at a place.
 cv::Mat view_from(const cv::Point& place) {
   cv::Mat all(kSize + cv::Size(100, 100), CV_8UC1);
   Rng rng(9, 0);
@@ -61,7 +61,7 @@ cv::Mat view_from(const cv::Point& place) {
   return all(cv::Rect(place, kSize)).clone();
 }
 
-/// Part of the points that moved so in the newest picture, to half a pixel.
+/// Part of the points that moved so in the newest image, to half a pixel.
 double part_moved(const PointsState& points, const cv::Point2f& motion_px) {
   const auto moved =
       std::count_if(points.tracks.begin(), points.tracks.end(), [&](const MaskTrack& track) {
@@ -73,7 +73,7 @@ double part_moved(const PointsState& points, const cv::Point2f& motion_px) {
 class FollowPoints : public testing::TestWithParam<bool> {
  protected:
   void show(const cv::Point& place) {
-    add_picture(view_from(place), {}, &points_);
+    add_image(view_from(place), {}, &points_);
     follow_points(&points_);
   }
 
@@ -117,55 +117,55 @@ TEST(AddPicture, TakesWhatIsReducedAlready_WhereItIsTheSame) {
   cv::resize(gray, halved, gray.size() / 2, 0.0, 0.0, cv::INTER_AREA);
   cv::Mat quarter;
   cv::resize(halved, quarter, gray.size() / 4, 0.0, 0.0, cv::INTER_AREA);
-  const cv::Mat marked = ~halved;  // to be told from what would be computed
+  const cv::Mat marked = ~halved;  // to be distinguished from what would be computed
   const auto stored = [&](const cv::Mat& reduced) {
     PointsState points;
-    EXPECT_TRUE(add_picture(gray, reduced, &points));
-    EXPECT_NE(points.picture(0).data, reduced.data);
-    return points.picture(0).clone();
+    EXPECT_TRUE(add_image(gray, reduced, &points));
+    EXPECT_NE(points.image(0).data, reduced.data);
+    return points.image(0).clone();
   };
   EXPECT_EQ(cv::norm(stored({}), halved, cv::NORM_INF), 0.0);
   EXPECT_EQ(cv::norm(stored(quarter), halved, cv::NORM_INF), 0.0);
   EXPECT_EQ(cv::norm(stored(marked), marked, cv::NORM_INF), 0.0);
 }
 
-TEST(RefillPoints, CoversThePictureAtOnce_AndTheTargetCloser) {
+TEST(RefillPoints, CoversTheImageAtOnce_AndTheTargetCloser) {
   PointsState points;
-  add_picture(spots(), {}, &points);
+  add_image(spots(), {}, &points);
   refill_points(kTarget, Refill::kEverywhere, &points);
   EXPECT_GT(count_on_target(points), 100U);
   EXPECT_GT(points.tracks.size(), count_on_target(points) + 100U);
 }
 
-TEST(RefillPoints, FillsTheTargetInEachPicture_WhileItHasFewPoints) {
+TEST(RefillPoints, FillsTheTargetInEachImage_WhileItHasFewPoints) {
   PointsState points;
-  add_picture(spots(), {}, &points);
-  for (int picture = 0; picture < 4; ++picture) {
+  add_image(spots(), {}, &points);
+  for (int image = 0; image < 4; ++image) {
     points.tracks.clear();
     refill_points(kTarget, Refill::kByTurns, &points);
-    EXPECT_GT(count_on_target(points), 80U) << picture;
+    EXPECT_GT(count_on_target(points), 80U) << image;
   }
 }
 
-TEST(RefillPoints, AnyPlaceHasBeenLookedAt_AfterFourPictures_OrEightByTurns) {
-  for (const auto& [where, pictures] :
+TEST(RefillPoints, AnyPlaceHasBeenLookedAt_AfterFourImages_OrEightByTurns) {
+  for (const auto& [where, images] :
        {std::pair(Refill::kBandAndTarget, 4), std::pair(Refill::kByTurns, 8)}) {
     PointsState points;
-    add_picture(spots(), {}, &points);
+    add_image(spots(), {}, &points);
     refill_points(kTarget, Refill::kEverywhere, &points);
     const std::size_t full = points.tracks.size();
     const std::size_t full_on_target = count_on_target(points);
     lose_upper_half(&points);
     ASSERT_LT(count_on_target(points), full_on_target * 3 / 4);
-    for (int picture = 0; picture < pictures; ++picture) {
+    for (int image = 0; image < images; ++image) {
       refill_points(kTarget, where, &points);
     }
-    EXPECT_GE(count_on_target(points), full_on_target * 9 / 10) << pictures;
+    EXPECT_GE(count_on_target(points), full_on_target * 9 / 10) << images;
     points.tracks.clear();
-    for (int picture = 0; picture < pictures; ++picture) {
+    for (int image = 0; image < images; ++image) {
       refill_points({}, where, &points);
     }
-    EXPECT_GT(points.tracks.size(), (full - full_on_target) * 9 / 10) << pictures;
+    EXPECT_GT(points.tracks.size(), (full - full_on_target) * 9 / 10) << images;
   }
 }
 

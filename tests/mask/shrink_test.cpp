@@ -18,8 +18,8 @@ cv::Mat ramp(int width, int height) {
   return out;
 }
 
-double mean_of_square(const cv::Mat& picture, int x, int y, int by) {
-  return cv::mean(picture(cv::Rect(by * x, by * y, by, by)))[0];
+double mean_of_square(const cv::Mat& image, int x, int y, int by) {
+  return cv::mean(image(cv::Rect(by * x, by * y, by, by)))[0];
 }
 
 bool same(const cv::Mat& a, const cv::Mat& b) {
@@ -29,30 +29,30 @@ bool same(const cv::Mat& a, const cv::Mat& b) {
 TEST(Shrink, IsTheMeanOverEachSquare) {
   for (const int by : {1, 2, 4, 8}) {
     const cv::Size size(12, 6);
-    const cv::Mat picture = ramp(by * size.width, by * size.height);
+    const cv::Mat image = ramp(by * size.width, by * size.height);
     cv::Mat out;
-    shrink(picture, size, by, &out);
+    shrink(image, size, by, &out);
     ASSERT_EQ(out.size(), size) << by;
     for (int y = 0; y < size.height; ++y) {
       for (int x = 0; x < size.width; ++x) {
         // Each halving rounds once: half a level, three times at most.
-        EXPECT_NEAR(out.at<std::uint8_t>(y, x), mean_of_square(picture, x, y, by), 1.5) << by;
+        EXPECT_NEAR(out.at<std::uint8_t>(y, x), mean_of_square(image, x, y, by), 1.5) << by;
       }
     }
   }
 }
 
-TEST(Shrink, ByOneIsThePicture) {
-  const cv::Mat picture = ramp(17, 9);
+TEST(Shrink, ByOneIsTheImage) {
+  const cv::Mat image = ramp(17, 9);
   cv::Mat out;
-  shrink(picture, picture.size(), 1, &out);
-  EXPECT_TRUE(same(out, picture));
+  shrink(image, image.size(), 1, &out);
+  EXPECT_TRUE(same(out, image));
 }
 
-TEST(Shrink, TakesAPictureWhoseSizeIsNotAMultiple) {
-  cv::Mat picture(21, 30, CV_8UC1, cv::Scalar(77));
+TEST(Shrink, TakesAnImageWhoseSizeIsNotAMultiple) {
+  cv::Mat image(21, 30, CV_8UC1, cv::Scalar(77));
   cv::Mat out;
-  shrink(picture, {7, 5}, 4, &out);
+  shrink(image, {7, 5}, 4, &out);
   EXPECT_TRUE(same(out, cv::Mat(5, 7, CV_8UC1, cv::Scalar(77))));
 }
 
@@ -101,7 +101,7 @@ TEST(FillFromCells, EnlargesTheCellsThatTheBoxTouches) {
   }
 }
 
-TEST(FillFromCells, EndsWithAnOddPicture) {
+TEST(FillFromCells, EndsWithAnOddImage) {
   const cv::Mat cells = ramp(4, 3);
   cv::Mat larger(6, 8, CV_8UC1, cv::Scalar(250));
   cv::Mat out = larger(cv::Rect(0, 0, 7, 5));  // half a cell is missing at either end

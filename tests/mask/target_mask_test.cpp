@@ -88,7 +88,7 @@ TEST(FindTarget, KeepsTheBody_AndDropsTheStarsAroundIt) {
   EXPECT_FALSE(mask.contains(8.0, 8.0));
 }
 
-TEST(FindTarget, EnclosesAllParts_WhenTheBodyFallsApartInThePicture) {
+TEST(FindTarget, EnclosesAllParts_WhenTheBodyFallsApartInTheImage) {
   const cv::Rect left(20, 30, 30, 30);
   const cv::Rect right(140, 60, 30, 30);
   cv::Mat gray = black();
@@ -99,7 +99,7 @@ TEST(FindTarget, EnclosesAllParts_WhenTheBodyFallsApartInThePicture) {
   EXPECT_FALSE(mask.contains(95.0, 60.0)) << "what lies between them is empty space";
 }
 
-TEST(FindTarget, StaysInsideThePicture_WhenTheBodyTouchesItsEdge) {
+TEST(FindTarget, StaysInsideTheImage_WhenTheBodyTouchesItsEdge) {
   for (const cv::Rect& body :
        {cv::Rect(0, 0, 30, 30), cv::Rect(kWidth - 30, kHeight - 30, 30, 30)}) {
     cv::Mat gray = black();
@@ -122,7 +122,7 @@ TEST(FindTarget, FindsNothing_OnBlackAndOnFaintNoise) {
   EXPECT_TRUE(mask_of(gray).region_px.empty());
 }
 
-TEST(FindTarget, TakesTheWholePicture_WhenThereIsNoDarkBackground) {
+TEST(FindTarget, TakesTheWholeImage_WhenThereIsNoDarkBackground) {
   cv::Mat gray = black();
   gray.setTo(60);
   const TargetMask mask = mask_of(gray);
@@ -130,7 +130,7 @@ TEST(FindTarget, TakesTheWholePicture_WhenThereIsNoDarkBackground) {
   EXPECT_DOUBLE_EQ(mask.coverage, 1.0);
 }
 
-TEST(FindTarget, TakesTheWholePicture_WhenDisabled) {
+TEST(FindTarget, TakesTheWholeImage_WhenDisabled) {
   const TargetMask mask = mask_of(black(), {.enabled = false});
   EXPECT_EQ(mask.region_px, cv::Rect(0, 0, kWidth, kHeight));
   EXPECT_DOUBLE_EQ(mask.coverage, 1.0);
@@ -145,7 +145,7 @@ TEST(FindTarget, ComparesWithTheDarkLevelThatItIsGiven) {
   EXPECT_FALSE(mask_of(gray, {.dark_level = 0.19}).region_px.empty());
 }
 
-TEST(FindTarget, CoversThePicture_WhenItsSidesAreNoMultipleOfACell) {
+TEST(FindTarget, CoversTheImage_WhenItsSidesAreNoMultipleOfACell) {
   for (int extra = 1; extra < 4; ++extra) {
     cv::Mat gray(64 + extra, 48 + extra, CV_8UC1);
     gray.setTo(99);
@@ -165,7 +165,7 @@ TEST(FindTarget, DependsOnNoEarlierImage) {
   EXPECT_EQ(mask.coverage, 0.0);
 }
 
-TEST(TargetMask, ContainsNothingOutsideThePicture) {
+TEST(TargetMask, ContainsNothingOutsideTheImage) {
   const TargetMask mask = mask_of(black(), {.enabled = false});
   EXPECT_FALSE(mask.contains(-1.0, 50.0));
   EXPECT_FALSE(mask.contains(-3.0, 50.0));
@@ -185,7 +185,7 @@ TEST(TargetLevels, CountTheTarget_AndNothingAroundIt) {
   EXPECT_EQ(counts[200] + counts[0], 0U);
 }
 
-TEST(TargetMask, ContainsNothing_BeforeThereWasAPicture) {
+TEST(TargetMask, ContainsNothing_BeforeThereWasAnImage) {
   EXPECT_FALSE(TargetMask{}.contains(0.0, 0.0));
 }
 

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kMiB = std::size_t{1} << 20;
 // Larger than any budget: what is measured is what was taken.
-constexpr PoolOctets kPools{16 * kMiB, 8 * kMiB, 128 * kMiB, 8 * kMiB};
+constexpr PoolBytes kPools{16 * kMiB, 8 * kMiB, 128 * kMiB, 8 * kMiB};
 // Half a pixel of a lens of 1000 px.
 constexpr double kSigma = 5e-4;
 
@@ -69,15 +69,15 @@ struct Scene {
   }
 };
 
-/// @return octets that the work takes of the jobs' pool at most.
+/// @return bytes that the work takes of the jobs' pool at most.
 template <typename Work>
 std::size_t taken_by(const Work& work) {
-  forget_pool_peaks();
-  const std::size_t before = pool_use(Pool::kJobs).used_octets;
+  reset_pool_peaks();
+  const std::size_t before = pool_use(Pool::kJobs).used_bytes;
   const PoolScope scope(Pool::kJobs);
   work();
-  EXPECT_EQ(pool_use(Pool::kJobs).used_octets, before) << "all of it is released";
-  return pool_use(Pool::kJobs).peak_octets - before;
+  EXPECT_EQ(pool_use(Pool::kJobs).used_bytes, before) << "all of it is released";
+  return pool_use(Pool::kJobs).peak_bytes - before;
 }
 
 class AdjustmentMemory : public ::testing::TestWithParam<std::size_t> {
@@ -105,7 +105,7 @@ TEST_P(AdjustmentMemory, IsWhatThePlanCountsWith) {
               .bundle.usable;
     });
     EXPECT_TRUE(usable);
-    const std::size_t planned = adjustment_octets_max(observations, s.poses.size());
+    const std::size_t planned = adjustment_bytes_max(observations, s.poses.size());
     EXPECT_LE(by_bundle, planned);
     EXPECT_LE(by_free_body, planned);
     // A plan that counts with far more than is taken would be no measurement.
@@ -125,8 +125,8 @@ TEST_P(AdjustmentMemory, OfTheCameraIsWhatThePlanCountsWith) {
                  .usable;
   });
   EXPECT_TRUE(usable);
-  EXPECT_LE(taken, adjustment_octets_max(kObservations, kPoses));
-  EXPECT_GT(2 * taken, adjustment_octets_max(kObservations, kPoses));
+  EXPECT_LE(taken, adjustment_bytes_max(kObservations, kPoses));
+  EXPECT_GT(2 * taken, adjustment_bytes_max(kObservations, kPoses));
 }
 
 INSTANTIATE_TEST_SUITE_P(Views, AdjustmentMemory, ::testing::Values(2, 6, 20));

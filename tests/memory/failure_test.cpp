@@ -1,4 +1,5 @@
-// A run that ends by a fault of its own: a checkpoint is on the disk, and the end says why it came.
+// A run that ends by a fault of its own: a checkpoint is on the disk, and the end states its
+// reason.
 #include "app/failure.hpp"
 
 #include <gtest/gtest.h>
@@ -89,7 +90,7 @@ class Failure : public ::testing::Test {
     std::filesystem::remove(crash_mark_file(file_));
   }
   // The tests run beside each other, and each in two processes, the second of which runs the test
-  // anew up to the death that is expected: same session and name, same file.
+  // again up to the death that is expected: same session and name, same file.
   std::filesystem::path file_ = std::filesystem::temp_directory_path() /
                                 ("polhode_failure_" + std::to_string(::getsid(0)) + "_" +
                                  ::testing::UnitTest::GetInstance()->current_test_info()->name());

@@ -28,15 +28,15 @@ class HeapTest : public ::testing::Test {
 
 TEST_F(HeapTest, HandsOutWhatWasAskedFor_Aligned_AndApart) {
   std::vector<std::pair<std::byte*, std::size_t>> blocks;
-  for (std::size_t octets : {0U, 1U, 15U, 16U, 17U, 511U, 512U, 513U, 4000U, 65537U}) {
+  for (std::size_t bytes : {0U, 1U, 15U, 16U, 17U, 511U, 512U, 513U, 4000U, 65537U}) {
     for (std::size_t alignment : {16U, 32U, 64U, 4096U}) {
-      auto* p = static_cast<std::byte*>(heap_.allocate(octets, alignment));
-      ASSERT_NE(p, nullptr) << octets;
+      auto* p = static_cast<std::byte*>(heap_.allocate(bytes, alignment));
+      ASSERT_NE(p, nullptr) << bytes;
       EXPECT_EQ(reinterpret_cast<std::uintptr_t>(p) % alignment, 0U);
       EXPECT_TRUE(heap_.contains(p));
-      EXPECT_GE(Heap::usable_octets(p), octets);
-      std::memset(p, 0x5A, Heap::usable_octets(p));
-      blocks.emplace_back(p, Heap::usable_octets(p));
+      EXPECT_GE(Heap::usable_bytes(p), bytes);
+      std::memset(p, 0x5A, Heap::usable_bytes(p));
+      blocks.emplace_back(p, Heap::usable_bytes(p));
       ASSERT_TRUE(heap_.consistent());
     }
   }
@@ -61,10 +61,10 @@ TEST_F(HeapTest, IsWholeAgain_WhenAllIsReleased) {
   }
   ASSERT_TRUE(heap_.consistent());
   const HeapUse after = heap_.use();
-  EXPECT_EQ(after.used_octets, 0U);
+  EXPECT_EQ(after.used_bytes, 0U);
   EXPECT_EQ(after.live_blocks, 0U);
-  EXPECT_EQ(after.largest_free_octets, before.largest_free_octets);
-  EXPECT_GT(after.peak_octets, 100'000U);
+  EXPECT_EQ(after.largest_free_bytes, before.largest_free_bytes);
+  EXPECT_GT(after.peak_bytes, 100'000U);
 }
 
 TEST_F(HeapTest, SaysNo_WhenNothingIsLargeEnough_AndStaysGood) {
@@ -75,7 +75,7 @@ TEST_F(HeapTest, SaysNo_WhenNothingIsLargeEnough_AndStaysGood) {
   while (void* p = heap_.allocate(1000)) {
     blocks.push_back(p);
   }
-  // 1000 octets and a header of 16, rounded up by at most 3 %.
+  // 1000 bytes and a header of 16, rounded up by at most 3 %.
   EXPECT_GE(blocks.size(), kMemory / 1056);
   EXPECT_EQ(heap_.allocate(1000), nullptr);
   ASSERT_TRUE(heap_.consistent());
@@ -88,15 +88,15 @@ TEST_F(HeapTest, SaysNo_WhenNothingIsLargeEnough_AndStaysGood) {
 TEST_F(HeapTest, GrowsInPlace_WhereThereIsRoomBehind) {
   void* p = heap_.allocate(100);
   EXPECT_TRUE(heap_.resize(p, 5000));
-  EXPECT_GE(Heap::usable_octets(p), 5000U);
+  EXPECT_GE(Heap::usable_bytes(p), 5000U);
   void* behind = heap_.allocate(100);
   EXPECT_FALSE(heap_.resize(p, 500'000));
   EXPECT_TRUE(heap_.resize(p, 50));
-  EXPECT_LT(Heap::usable_octets(p), 5000U);
+  EXPECT_LT(Heap::usable_bytes(p), 5000U);
   ASSERT_TRUE(heap_.consistent());
   heap_.release(behind);
   heap_.release(p);
-  EXPECT_EQ(heap_.use().used_octets, 0U);
+  EXPECT_EQ(heap_.use().used_bytes, 0U);
 }
 
 TEST_F(HeapTest, LargestFreePromisesWhatItCanGive) {
@@ -108,21 +108,21 @@ TEST_F(HeapTest, LargestFreePromisesWhatItCanGive) {
   for (std::size_t i = 0; i < blocks.size(); i += 3) {
     heap_.release(blocks[i]);
   }
-  const std::size_t largest = heap_.use().largest_free_octets;
+  const std::size_t largest = heap_.use().largest_free_bytes;
   EXPECT_GT(largest, 0U);
   EXPECT_NE(heap_.allocate(largest), nullptr);
 }
 
 struct Held {
   std::byte* p;
-  std::size_t octets;
+  std::size_t bytes;
   std::uint8_t mark;
 };
 
 /// What was written is still there: nobody else was given the same memory.
 bool intact(const Held& held) {
   return std::all_of(
-      held.p, held.p + held.octets, [&](std::byte b) { return b == std::byte{held.mark}; });
+      held.p, held.p + held.bytes, [&](std::byte b) { return b == std::byte{held.mark}; });
 }
 
 TEST_F(HeapTest, KeepsItsPromises_OverRandomUse) {
@@ -132,22 +132,22 @@ TEST_F(HeapTest, KeepsItsPromises_OverRandomUse) {
     for (int i = 0; i < 2000; ++i) {
       const std::uint32_t action = rng.below(10);
       if (action < 5 || held.empty()) {
-        const std::size_t octets = rng.below(rng.below(4) == 0 ? 30000 : 600);
+        const std::size_t bytes = rng.below(rng.below(4) == 0 ? 30000 : 600);
         const std::size_t alignment = std::size_t{16} << rng.below(5);
-        auto* p = static_cast<std::byte*>(heap_.allocate(octets, alignment));
+        auto* p = static_cast<std::byte*>(heap_.allocate(bytes, alignment));
         if (p != nullptr) {
-          held.push_back({p, octets, static_cast<std::uint8_t>(rng.below(256))});
-          std::fill(p, p + octets, std::byte{held.back().mark});
+          held.push_back({p, bytes, static_cast<std::uint8_t>(rng.below(256))});
+          std::fill(p, p + bytes, std::byte{held.back().mark});
         }
         continue;
       }
       const std::size_t which = rng.below(static_cast<std::uint32_t>(held.size()));
       Held& chosen = held[which];
       ASSERT_TRUE(intact(chosen)) << "seed " << seed;
-      const std::size_t octets = rng.below(30000);
-      if (action < 7 && heap_.resize(chosen.p, octets)) {
-        chosen.octets = octets;
-        std::fill(chosen.p, chosen.p + octets, std::byte{chosen.mark});
+      const std::size_t bytes = rng.below(30000);
+      if (action < 7 && heap_.resize(chosen.p, bytes)) {
+        chosen.bytes = bytes;
+        std::fill(chosen.p, chosen.p + bytes, std::byte{chosen.mark});
       } else if (action >= 7) {
         heap_.release(chosen.p);
         held.erase(held.begin() + static_cast<std::ptrdiff_t>(which));
@@ -158,7 +158,7 @@ TEST_F(HeapTest, KeepsItsPromises_OverRandomUse) {
       ASSERT_TRUE(intact(h)) << "seed " << seed;
       heap_.release(h.p);
     }
-    ASSERT_EQ(heap_.use().used_octets, 0U) << "seed " << seed;
+    ASSERT_EQ(heap_.use().used_bytes, 0U) << "seed " << seed;
   }
 }
 

@@ -32,10 +32,10 @@ TEST(MemoryPlan, OfTheDefaultsFits) {
 }
 
 /// Of the mask against a background, in the plan: its call without the frame before.
-std::size_t mask_octets_of(const Parameters& p) {
+std::size_t mask_bytes_of(const Parameters& p) {
   for (const CallCost& call : plan_memory(p).calls) {
     if (call.name.find("mask against a background") != std::string::npos) {
-      return call.octets - static_cast<std::size_t>(p.camera.width_px * p.camera.height_px);
+      return call.bytes - static_cast<std::size_t>(p.camera.width_px * p.camera.height_px);
     }
   }
   return 0;
@@ -43,11 +43,11 @@ std::size_t mask_octets_of(const Parameters& p) {
 
 TEST(MemoryPlan, TakesTheMaskAtThePixelsThatItWorksOn) {
   constexpr std::size_t kPerPixel = 160;
-  EXPECT_EQ(mask_octets_of(at(640, 480)), kPerPixel * 640 * 480);
-  EXPECT_EQ(mask_octets_of(at(1280, 720)), kPerPixel * 640 * 360);
-  // Three would do to be at most 640 across, but pictures are halved: four.
-  EXPECT_EQ(mask_octets_of(at(1920, 1080)), kPerPixel * 480 * 270);
-  EXPECT_EQ(mask_octets_of(at(3840, 2160)), kPerPixel * 480 * 270);
+  EXPECT_EQ(mask_bytes_of(at(640, 480)), kPerPixel * 640 * 480);
+  EXPECT_EQ(mask_bytes_of(at(1280, 720)), kPerPixel * 640 * 360);
+  // Three would do to be at most 640 across, but images are halved: four.
+  EXPECT_EQ(mask_bytes_of(at(1920, 1080)), kPerPixel * 480 * 270);
+  EXPECT_EQ(mask_bytes_of(at(3840, 2160)), kPerPixel * 480 * 270);
 }
 
 TEST(MemoryPlan, ListsTheTablesWhole) {
@@ -55,36 +55,36 @@ TEST(MemoryPlan, ListsTheTablesWhole) {
   const MemoryPlan plan = plan_memory(p);
   std::size_t sum = 0;
   for (const PlanRow& table : plan.tables) {
-    EXPECT_GT(table.octets, 0U) << table.name;
-    sum += table.octets;
+    EXPECT_GT(table.bytes, 0U) << table.name;
+    sum += table.bytes;
   }
   EXPECT_EQ(sum, memory_needed(p).total);
-  EXPECT_EQ(plan.tables_octets, sum);
+  EXPECT_EQ(plan.tables_bytes, sum);
 }
 
 TEST(MemoryPlan, TheTotalIsTheSumOfItsParts) {
   const MemoryPlan plan = plan_memory(at(1280, 720));
-  std::size_t sum = std::accumulate(plan.pools.begin(), plan.pools.end(), plan.tables_octets);
+  std::size_t sum = std::accumulate(plan.pools.begin(), plan.pools.end(), plan.tables_bytes);
   for (const PlanRow& row : plan.others) {
-    sum += row.octets;
+    sum += row.bytes;
   }
-  EXPECT_EQ(plan.total_octets, sum);
+  EXPECT_EQ(plan.total_bytes, sum);
 }
 
-TEST(MemoryPlan, RefusesATotalThatIsTooSmall_AndSaysWhatIsNeeded) {
+TEST(MemoryPlan, RefusesATotalThatIsTooSmall_AndReportsTheNeed) {
   Parameters p = at(640, 480);
   p.budget.total_mb = 64;
   const MemoryPlan plan = plan_memory(p);
   EXPECT_NE(plan.problem.find("budget.total_mb"), std::string::npos);
-  EXPECT_NE(plan.problem.find(std::to_string(plan.total_octets)), std::string::npos);
+  EXPECT_NE(plan.problem.find(std::to_string(plan.total_bytes)), std::string::npos);
   EXPECT_NE(text_of(plan).find("does not fit"), std::string::npos);
 }
 
-TEST(MemoryPlan, OfAnUprightPictureIsThatOfALyingOne) {
+TEST(MemoryPlan, OfAnUprightImageIsThatOfALyingOne) {
   for (const auto& [longer, shorter] : {std::pair(960, 540), std::pair(1920, 1080)}) {
     const MemoryPlan upright = plan_memory(at(shorter, longer));
     EXPECT_EQ(upright.problem, "");
-    EXPECT_EQ(upright.total_octets, plan_memory(at(longer, shorter)).total_octets);
+    EXPECT_EQ(upright.total_bytes, plan_memory(at(longer, shorter)).total_bytes);
   }
 }
 
@@ -110,7 +110,7 @@ TEST(MemoryPlan, WithoutDelayTheJobsDrawFromTheStepsPool) {
   const MemoryPlan beside = plan_memory(p);
   EXPECT_EQ(within.pools[static_cast<std::size_t>(Pool::kJobs)], 0U);
   EXPECT_GT(beside.pools[static_cast<std::size_t>(Pool::kJobs)], 0U);
-  EXPECT_EQ(within.total_octets + WorkerOptions{}.stack_octets, beside.total_octets)
+  EXPECT_EQ(within.total_bytes + WorkerOptions{}.stack_bytes, beside.total_bytes)
       << "no thread, no stack";
 }
 
@@ -119,17 +119,17 @@ TEST(MemoryPlan, AWindowThatIsAdjustedWithinTheStepIsInTheStepsPool) {
   const MemoryPlan within = plan_memory(p);
   p.jobs.delay_frames = 1;
   const MemoryPlan beside = plan_memory(p);
-  const auto octets = [](const MemoryPlan& plan) {
+  const auto bytes = [](const MemoryPlan& plan) {
     for (const CallCost& call : plan.calls) {
       if (call.name == "adjustment of a window of the map") {
         EXPECT_EQ(call.pool, Pool::kStep);
-        return call.octets;
+        return call.bytes;
       }
     }
     return std::size_t{0};
   };
-  EXPECT_GT(octets(within), 8'000'000U) << "of 10000 observations";
-  EXPECT_EQ(octets(beside), 0U);
+  EXPECT_GT(bytes(within), 8'000'000U) << "of 10000 observations";
+  EXPECT_EQ(bytes(beside), 0U);
   EXPECT_EQ(within.pools, beside.pools);
 }
 
@@ -145,24 +145,24 @@ TEST(MemoryPlan, AJobsPoolThatIsAllowedLetsAJobBegin) {
   Heap heap;
   heap.open({static_cast<std::byte*>(std::align(64, memory.size() - 64, start, space)),
              memory.size() - 64});
-  EXPECT_GE(heap.use().largest_free_octets, job_worst_case(p));
+  EXPECT_GE(heap.use().largest_free_bytes, job_worst_case(p));
 }
 
 TEST(MemoryPlan, HoldsWhatALiveRunNeedsBesideTheEstimator) {
   MachineOptions machine;
   machine.device.source = "/dev/video0";
   const Parameters p = at(640, 480);
-  const std::size_t bare = plan_memory(p, live_needs(machine, {}, p.camera)).total_octets;
-  EXPECT_EQ(bare, plan_memory(p).total_octets + 4 * 3 * 640 * 480);
+  const std::size_t bare = plan_memory(p, live_needs(machine, {}, p.camera)).total_bytes;
+  EXPECT_EQ(bare, plan_memory(p).total_bytes + 4 * 3 * 640 * 480);
   machine.device.pixel_format = "GREY";
-  EXPECT_EQ(plan_memory(p, live_needs(machine, {}, p.camera)).total_octets,
-            plan_memory(p).total_octets + 4 * 640 * 480);
+  EXPECT_EQ(plan_memory(p, live_needs(machine, {}, p.camera)).total_bytes,
+            plan_memory(p).total_bytes + 4 * 640 * 480);
   machine.device.pixel_format = "auto";
   machine.run.checkpoint = "checkpoint";
-  const std::size_t kept = plan_memory(p, live_needs(machine, {}, p.camera)).total_octets;
+  const std::size_t kept = plan_memory(p, live_needs(machine, {}, p.camera)).total_bytes;
   EXPECT_EQ(kept, bare + checkpoint_octets_max());
   machine.recording.folder = "recordings";
-  const std::size_t recorded = plan_memory(p, live_needs(machine, {}, p.camera)).total_octets;
+  const std::size_t recorded = plan_memory(p, live_needs(machine, {}, p.camera)).total_bytes;
   EXPECT_GT(recorded, kept + 10 * 2 * 640 * 480);
 }
 
@@ -181,18 +181,18 @@ TEST(MemoryPlan, HoldsTheFilesOfASequence_AndWhatDecodingTakes) {
   const Parameters p = at(640, 480);
   Sequence sequence{
       .path = {}, .image_folder = {}, .camera = p.camera, .frames = {}, .warnings = {}};
-  sequence.file_octets_max = 900'000;
+  sequence.file_bytes_max = 900'000;
   MachineNeeds needs;
   add_sequence(sequence, &needs);
-  EXPECT_EQ(plan_memory(p, needs).total_octets, plan_memory(p).total_octets + 900'000);
+  EXPECT_EQ(plan_memory(p, needs).total_bytes, plan_memory(p).total_bytes + 900'000);
   EXPECT_EQ(plan_memory(p, needs).problem, "");
-  sequence.decoder_octets = std::size_t{30} << 20U;
+  sequence.decoder_bytes = std::size_t{30} << 20U;
   add_sequence(sequence, &needs);
   EXPECT_NE(plan_memory(p, needs).problem.find("budget.general_mb"), std::string::npos);
 }
 
-TEST(MemoryPlan, ALargerPictureTakesMore) {
-  EXPECT_GT(plan_memory(at(1920, 1080)).total_octets, plan_memory(at(640, 480)).total_octets);
+TEST(MemoryPlan, ALargerImageTakesMore) {
+  EXPECT_GT(plan_memory(at(1920, 1080)).total_bytes, plan_memory(at(640, 480)).total_bytes);
 }
 
 // verifies: RES-05

@@ -19,7 +19,7 @@ namespace polhode::platform::region_test {
 namespace {
 
 constexpr std::size_t kMiB = std::size_t{1} << 20;
-constexpr PoolOctets kPools{16 * kMiB, 8 * kMiB, 4 * kMiB, 8 * kMiB};
+constexpr PoolBytes kPools{16 * kMiB, 8 * kMiB, 4 * kMiB, 8 * kMiB};
 
 // Called through pointers that the compiler cannot see through: else it leaves out an allocation
 // that nobody uses.
@@ -97,22 +97,22 @@ TEST_F(RegionTest, TheWholeFamilyIsServed) {
 
 TEST_F(RegionTest, TheVisionLibraryDrawsFromTheScope) {
   const PoolScope scope(Pool::kStep);
-  const std::size_t before = pool_use(Pool::kStep).used_octets;
+  const std::size_t before = pool_use(Pool::kStep).used_bytes;
   cv::Mat image(480, 640, CV_8U, cv::Scalar(3));
-  EXPECT_GE(pool_use(Pool::kStep).used_octets, before + 640 * 480);
+  EXPECT_GE(pool_use(Pool::kStep).used_bytes, before + 640 * 480);
   cv::Mat blurred;
   cv::GaussianBlur(image, blurred, {7, 7}, 0.0);
   image.release();
   blurred.release();
-  EXPECT_LT(pool_use(Pool::kStep).used_octets, before + 640 * 480);
+  EXPECT_LT(pool_use(Pool::kStep).used_bytes, before + 640 * 480);
 }
 
 TEST_F(RegionTest, BeforeTheSealAPoolThatIsFullGrowsElsewhere) {
   const PoolScope scope(Pool::kJobs);
-  const std::size_t before = grown_octets();
+  const std::size_t before = grown_bytes();
   void* p = g_malloc(6 * kMiB);
   ASSERT_NE(p, nullptr);
-  EXPECT_GT(grown_octets(), before);
+  EXPECT_GT(grown_bytes(), before);
   std::memset(p, 1, 6 * kMiB);
   g_free(p);
 }
@@ -120,21 +120,21 @@ TEST_F(RegionTest, BeforeTheSealAPoolThatIsFullGrowsElsewhere) {
 TEST_F(RegionTest, AfterTheSealOverflowDrawsOnTheReserve_AndIsCounted) {
   const PoolScope scope(Pool::kJobs);
   seal_memory();
-  const std::size_t grown = grown_octets();
+  const std::size_t grown = grown_bytes();
   std::vector<void*> held;
   for (int i = 0; i < 5; ++i) {
     held.push_back(g_malloc(kMiB - 4096));
     ASSERT_NE(held.back(), nullptr);
     std::memset(held.back(), 1, kMiB - 4096);
   }
-  EXPECT_EQ(grown_octets(), grown);
+  EXPECT_EQ(grown_bytes(), grown);
   EXPECT_GE(take_overdrafts(Pool::kJobs), 1U);
   EXPECT_EQ(take_overdrafts(Pool::kJobs), 0U) << "taken is taken";
   EXPECT_EQ(take_overdrafts(Pool::kStep), 0U);
   for (void* p : held) {
     g_free(p);
   }
-  EXPECT_EQ(pool_use(Pool::kReserve).used_octets, 0U);
+  EXPECT_EQ(pool_use(Pool::kReserve).used_bytes, 0U);
 }
 
 void exhaust_the_reserve() {
@@ -154,8 +154,8 @@ TEST_F(RegionTest, AnExhaustedReserveEndsTheProgram_WithItsOwnCode) {
 TEST_F(RegionTest, AnExhaustedReserveIsToldToTheHook) {
   EXPECT_EXIT(
       {
-        set_exhaustion_hook([](Pool pool, std::size_t octets) {
-          ::_exit(pool == Pool::kJobs && octets == 100'000 ? 42 : 43);
+        set_exhaustion_hook([](Pool pool, std::size_t bytes) {
+          ::_exit(pool == Pool::kJobs && bytes == 100'000 ? 42 : 43);
         });
         exhaust_the_reserve();
       },

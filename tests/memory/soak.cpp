@@ -1,5 +1,5 @@
 // Many frames after the seal: a sequence played back and forth from memory, on two threads, under
-// the kernel's eyes. Prints what it found as JSON; exit code 5 tells that something asked the
+// the kernel's eyes. Prints what it found as JSON; exit code 5 shows that something asked the
 // machine for memory, a thread or a file.
 #include <fmt/format.h>
 #include <sys/mman.h>
@@ -45,7 +45,7 @@ struct Reading {
   long faults = 0;
   long resident_pages = 0;
   std::size_t live_blocks = 0;
-  std::size_t used_octets = 0;
+  std::size_t used_bytes = 0;
 };
 
 class Meter {
@@ -64,7 +64,7 @@ class Meter {
     for (std::size_t i = 0; i < kPoolCount; ++i) {
       const HeapUse use = pool_use(static_cast<Pool>(i));
       r.live_blocks += use.live_blocks;
-      r.used_octets += use.used_octets;
+      r.used_bytes += use.used_bytes;
     }
     return r;
   }
@@ -162,7 +162,7 @@ class Soak {
     for (const Reading& r : readings) {
       const char* comma = live.empty() ? "" : ", ";
       live += fmt::format("{}{}", comma, r.live_blocks);
-      used += fmt::format("{}{}", comma, r.used_octets);
+      used += fmt::format("{}{}", comma, r.used_bytes);
       resident += fmt::format("{}{}", comma, r.resident_pages * 4096);
     }
     const std::size_t tenth = step_ms_.size() / 10;
@@ -179,7 +179,7 @@ class Soak {
         live,
         used,
         resident,
-        grown_octets(),
+        grown_bytes(),
         take_overdrafts(Pool::kStep) + take_overdrafts(Pool::kJobs) +
             take_overdrafts(Pool::kGeneral),
         median_ms(tenth, tenth),

@@ -14,7 +14,7 @@ namespace {
 
 /// A hypothesis selection without frames: it ends at once, undecided.
 std::unique_ptr<Job> job_due_at(std::uint32_t step) {
-  static const auto work = std::make_unique<StartJob>();
+  static const auto work = std::make_unique<InitialisationJob>();
   return std::make_unique<Job>(Job{.work = work.get(), .due_step = step});
 }
 
@@ -70,7 +70,7 @@ TEST_P(WorkerTest, EndsWithAJobStillOut) {
   EXPECT_TRUE(worker.due(1).empty()) << "it is the caller's again";
 }
 
-TEST_P(WorkerTest, TwoAreOutAtATime_EachComesBackToItsOwnStep) {
+TEST_P(WorkerTest, TwoAreOutAtATime_EachReturnsToItsOwnStep) {
   Worker worker({.own_thread = GetParam(), .latency_ms_max = 10});
   for (std::uint32_t i = 0; i < 5; ++i) {
     const auto map = job_due_at(10 * i + 5);

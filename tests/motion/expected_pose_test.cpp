@@ -26,7 +26,7 @@ struct Followed {
   std::unique_ptr<MapState> mapping = std::make_unique<MapState>();
 
   /// Is a pose taken that is off the motion so far by an angle?
-  bool takes(double off_rad, int second, bool start_checks = false) {
+  bool takes(double off_rad, int second, bool initialisation_checks = false) {
     const PosePrediction predicted =
         predict_or_hold(
             motion, mapping->drift, options, second * kSecond_ns, Eigen::Matrix3d::Identity())
@@ -35,7 +35,8 @@ struct Followed {
     found.pose = predicted.pose;
     found.pose.R_CT = so3_exp(off_rad * Eigen::Vector3d::UnitX()) * predicted.pose.R_CT;
     found.covariance = kCovariance;
-    return plausible(expected_at(predicted, second * kSecond_ns, motion), start_checks, *mapping);
+    return plausible(
+        expected_at(predicted, second * kSecond_ns, motion), initialisation_checks, *mapping);
   }
 
   /// The motion of a start of six frames.

@@ -67,7 +67,7 @@ inline Frame frame_of(std::int64_t timestamp_ns,
           .image = {.data = picture.data(),
                     .width_px = width_px,
                     .height_px = height_px,
-                    .stride_octets = width_px}};
+                    .stride_bytes = width_px}};
 }
 
 /// A frame that the camera could not deliver whole.
@@ -225,7 +225,7 @@ inline Pose turning(double frame) {
 }
 
 /// What the camera sees of it, frame by frame.
-inline std::vector<Picture> pictures_of_turning(int frames) {
+inline std::vector<Picture> images_of_turning(int frames) {
   const Ball ball(3);
   std::vector<Picture> pictures;
   for (int i = 0; i < frames; ++i) {

@@ -147,7 +147,7 @@ TEST(CameraState, WhatWasDamagedIsNotTaken) {
     *reinterpret_cast<double*>(reinterpret_cast<char*>(&damaged) + offset) = 1e200;
     CameraState state;
     take_camera_test(damaged, &state);
-    EXPECT_TRUE(is_sound(state)) << offset;
+    EXPECT_TRUE(is_valid(state)) << offset;
   }
 }
 

@@ -17,7 +17,7 @@ using namespace bench;
 constexpr int kFrames = 24;
 
 const Picture& picture(int frame) {
-  static const std::vector<Picture> rendered = pictures_of_turning(kFrames);
+  static const std::vector<Picture> rendered = images_of_turning(kFrames);
   return rendered[static_cast<std::size_t>(frame)];
 }
 

@@ -20,7 +20,7 @@ constexpr int kShown = 16;
 constexpr int kFrames = 24;
 
 const std::vector<Picture>& pictures() {
-  static const std::vector<Picture> rendered = pictures_of_turning(kFrames);
+  static const std::vector<Picture> rendered = images_of_turning(kFrames);
   return rendered;
 }
 

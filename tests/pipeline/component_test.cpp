@@ -237,7 +237,7 @@ TEST(Step, TakesPicturesOf16Bits_AsTheirUpperOctets) {
                  .image = {.data = reinterpret_cast<const std::uint8_t*>(sixteen.data()),
                            .width_px = kWidth,
                            .height_px = kHeight,
-                           .stride_octets = 2 * kWidth,
+                           .stride_bytes = 2 * kWidth,
                            .format = PixelFormat::kGray16}}});
   EXPECT_GT(from_eight.motion.features, 20);
   EXPECT_TRUE(std::equal(from_eight.packets.begin(),

@@ -18,7 +18,7 @@ inline constexpr int kFramesBefore = 14;
 inline constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 inline const StepOutput& show(Bench& b, int frame) {
-  static const std::vector<Picture> rendered = pictures_of_turning(kFrames);
+  static const std::vector<Picture> rendered = images_of_turning(kFrames);
   return b.component->step({.frame = frame_of((frame + 1) * Bench::kSecond_ns,
                                               rendered[static_cast<std::size_t>(frame)])});
 }
@@ -35,7 +35,7 @@ inline const std::vector<std::uint8_t>& good_checkpoint() {
     Bench b(parameters());
     for (int i = 0; i < kFramesBefore; ++i) {
       show(b, i);
-      EXPECT_TRUE(is_sound(state_of(*b.component))) << "frame " << i;
+      EXPECT_TRUE(is_valid(state_of(*b.component))) << "frame " << i;
     }
     EXPECT_GT(state_of(*b.component).mapping.map.keyframe_count, 0);
     EXPECT_FALSE(state_of(*b.component).motion.recent.empty());

@@ -137,9 +137,9 @@ struct Hostile {
   std::function<Picture(int)> picture;
 };
 
-class HostilePictures : public ::testing::TestWithParam<Hostile> {};
+class HostileImages : public ::testing::TestWithParam<Hostile> {};
 
-TEST_P(HostilePictures, BeforeTheMap_OverflowNothing_AndTheBodyIsAcquiredAfterwards) {
+TEST_P(HostileImages, BeforeTheMap_OverflowNothing_AndTheBodyIsAcquiredAfterwards) {
   Parameters p = parameters();
   p.features.count_max = static_cast<int>(limits::kFeatures);
   Bench b(p);
@@ -155,7 +155,7 @@ TEST_P(HostilePictures, BeforeTheMap_OverflowNothing_AndTheBodyIsAcquiredAfterwa
 }
 
 // verifies: MAP-10
-TEST_P(HostilePictures, InPlaceOfTheBody_GiveNoWrongPose_AndTheBodyIsFoundAgain) {
+TEST_P(HostileImages, InPlaceOfTheBody_GiveNoWrongPose_AndTheBodyIsFoundAgain) {
   Bench b;
   constexpr int kBefore = 12;
   ASSERT_GT(poses_over(0, kBefore, b), 4);
@@ -176,7 +176,7 @@ TEST_P(HostilePictures, InPlaceOfTheBody_GiveNoWrongPose_AndTheBodyIsFoundAgain)
 
 INSTANTIATE_TEST_SUITE_P(
     All,
-    HostilePictures,
+    HostileImages,
     ::testing::Values(Hostile{"Noise",
                               [](int i) { return noise(500 + static_cast<std::uint64_t>(i)); }},
                       Hostile{"DotGrid", dots},

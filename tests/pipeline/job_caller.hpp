@@ -71,7 +71,7 @@ class Caller {
     return nullptr;
   }
   [[nodiscard]] const Job* map_job_out() const {
-    const Job* start = out<StartJob>();
+    const Job* start = out<InitialisationJob>();
     return start != nullptr ? start : out<AdjustmentJob>();
   }
   [[nodiscard]] Component& component() { return *bench_.component; }

@@ -50,9 +50,9 @@ TEST_F(MendParameters, HitInBothTables_ButInNoValueTwice_AreAsTheyWere) {
   c().parameters.seed ^= 1U << 9U;
   c().spare.camera.fu_px *= 2.0;
   c().spare.mask.dark_level *= 2.0;
-  const Mended mended = mend_parameters(&c());
-  EXPECT_TRUE(mended.any());
-  EXPECT_FALSE(mended.reset);
+  const Repair repaired = mend_parameters(&c());
+  EXPECT_TRUE(repaired.any());
+  EXPECT_FALSE(repaired.reset);
   expect_as_before();
 }
 
@@ -61,9 +61,9 @@ TEST_F(MendParameters, AValueHitInBothTablesIsItsDefault_AndTheRestStays) {
   ASSERT_NE(before_.seed, defaults.seed) << "else the test says nothing";
   c().parameters.seed ^= 1U << 9U;
   c().spare.seed ^= 1U << 10U;
-  const Mended mended = mend_parameters(&c());
-  EXPECT_TRUE(mended.reset);
-  EXPECT_EQ(mended.entries, 1U);
+  const Repair repaired = mend_parameters(&c());
+  EXPECT_TRUE(repaired.reset);
+  EXPECT_EQ(repaired.entries, 1U);
   Parameters expected = before_;
   expected.seed = defaults.seed;
   EXPECT_EQ(table_crc(c().parameters), table_crc(expected));
@@ -93,7 +93,7 @@ TEST_F(MendParameters, AStepCountsAndTellsIt_AndLosesATargetOfOtherParameters) {
   const StepOutput& out = show(bench_, kFramesBefore + 1);
   EXPECT_FALSE(out.motion.pose_valid);
   EXPECT_EQ(state_of(*bench_.component).bus.tables_damaged, 1U);
-  EXPECT_TRUE(is_sound(state_of(*bench_.component)));
+  EXPECT_TRUE(is_valid(state_of(*bench_.component)));
 }
 
 }  // namespace

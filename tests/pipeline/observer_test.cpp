@@ -17,7 +17,7 @@ constexpr int kFrames = 20;
 const Eigen::Vector3d kCameraRate_C{0.0, 0.01, -0.02};  // rad/s
 
 const std::vector<Picture>& pictures() {
-  static const std::vector<Picture> rendered = pictures_of_turning(kFrames);
+  static const std::vector<Picture> rendered = images_of_turning(kFrames);
   return rendered;
 }
 

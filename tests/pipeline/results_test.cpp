@@ -124,10 +124,10 @@ TEST(Jobs, AMapThatBeginsWithManyKeyframesIsAdjustedBesideTheSteps) {
 TEST(Jobs, ADueJobThatIsNotHandedInIsAMistakeOfTheCaller) {
   Caller caller(parameters(), delayed(1), Run::kAtOnce);
   std::size_t i = 0;
-  while (i < turning_ball().size() && caller.out<StartJob>() == nullptr) {
+  while (i < turning_ball().size() && caller.out<InitialisationJob>() == nullptr) {
     (void)caller.show(turning_ball()[i++]);
   }
-  ASSERT_NE(caller.out<StartJob>(), nullptr);
+  ASSERT_NE(caller.out<InitialisationJob>(), nullptr);
   const StepInput without{.frame = frame_of(100 * Bench::kSecond_ns, turning_ball().back())};
   EXPECT_DEATH((void)caller.component().step(without), "");
 }
@@ -138,11 +138,11 @@ TEST(Jobs, AMapGoesOnGrowingWhileItIsAdjusted_NotWhileAStartIsSought) {
   int grown = 0;
   for (const Picture& picture : turning_ball()) {
     const bool adjusted = caller.out<AdjustmentJob>() != nullptr;
-    const bool sought = caller.out<StartJob>() != nullptr;
+    const bool sought = caller.out<InitialisationJob>() != nullptr;
     (void)caller.show(picture);
     const Component::State& s = state_of(caller.component());
     grown += adjusted && s.mapping.map.keyframe_count > keyframes ? 1 : 0;
-    if (sought && caller.out<StartJob>() != nullptr) {
+    if (sought && caller.out<InitialisationJob>() != nullptr) {
       EXPECT_EQ(s.mapping.map.keyframe_count, keyframes);
     }
     keyframes = s.mapping.map.keyframe_count;

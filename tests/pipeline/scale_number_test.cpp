@@ -26,7 +26,7 @@ struct Told {
 
 class ScaleNumberOfRows : public ::testing::Test {
  protected:
-  ScaleNumberOfRows() : pictures_(pictures_of_turning(kFrames)) {}
+  ScaleNumberOfRows() : pictures_(images_of_turning(kFrames)) {}
 
   /// A length of one in the first picture.
   static Parameters with_length() {

@@ -56,7 +56,7 @@ double depth_ratio(const Component::State& s, int frame) {
 
 // verifies: SHP-08
 TEST(KnownLength, GivesMetres_AndIsReadAnewAsTheMapGrows) {
-  const std::vector<Picture> pictures = pictures_of_turning(kFrames);
+  const std::vector<Picture> pictures = images_of_turning(kFrames);
   Bench b(with_length());
   std::vector<double> told;
   for (const Picture& picture : pictures) {
@@ -78,7 +78,7 @@ TEST(KnownLength, GivesMetres_AndIsReadAnewAsTheMapGrows) {
 }
 
 TEST(KnownLength, IsForgotten_WithWhatItWasMeasuredOn) {
-  const std::vector<Picture> pictures = pictures_of_turning(kFrames);
+  const std::vector<Picture> pictures = images_of_turning(kFrames);
   Bench b(with_length());
   for (const Picture& picture : pictures) {
     (void)b.show(picture);
@@ -92,7 +92,7 @@ TEST(KnownLength, IsForgotten_WithWhatItWasMeasuredOn) {
 }
 
 TEST(KnownLength, OfAFrameThatIsNotThere_LeavesMapUnits) {
-  const std::vector<Picture> pictures = pictures_of_turning(kFrames);
+  const std::vector<Picture> pictures = images_of_turning(kFrames);
   Parameters p = with_length();
   p.scale.frame_timestamp_ns = 1;
   Bench b(p);

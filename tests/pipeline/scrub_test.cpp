@@ -32,9 +32,9 @@ TEST(Scrub, EachDamageIsPutRightCountedAndReported) {
     Bench& b = begun(memory);
     Component::State& s = state_of(*b.component);
     damage.done(s);
-    ASSERT_FALSE(is_sound(s)) << damage.what;
+    ASSERT_FALSE(is_valid(s)) << damage.what;
     const StepOutput& out = show(b, kFramesBefore + 1);
-    EXPECT_TRUE(is_sound(s)) << damage.what;
+    EXPECT_TRUE(is_valid(s)) << damage.what;
     EXPECT_EQ(s.bus.tables_damaged, 1U) << damage.what;
     const auto events = packets_of<bus::EventPacket>(out);
     EXPECT_EQ(std::count_if(events.begin(),
@@ -109,7 +109,7 @@ TEST(Scrub, WithFlippedBitsInItsTablesTheStepsGoOn) {
     flip(1 + flips / 64, &rng, &s.initialisation);
     for (int i = kFramesBefore + 1; i < kFrames; ++i) {
       show(b, i);
-      ASSERT_TRUE(is_sound(s)) << "trial " << trial;
+      ASSERT_TRUE(is_valid(s)) << "trial " << trial;
     }
     damaged += s.bus.tables_damaged > 0 ? 1 : 0;
   }

@@ -18,9 +18,9 @@ TEST(Soundness, OfAStateThatWasDamagedBeforeItWasWritten_NothingIsTaken) {
   for (const Damage& damage : damages()) {
     Bench spoilt(parameters());
     ASSERT_TRUE(restore_checkpoint(good_checkpoint(), spoilt.component));
-    ASSERT_TRUE(is_sound(state_of(*spoilt.component)));
+    ASSERT_TRUE(is_valid(state_of(*spoilt.component)));
     damage.done(state_of(*spoilt.component));
-    EXPECT_FALSE(is_sound(state_of(*spoilt.component))) << damage.what;
+    EXPECT_FALSE(is_valid(state_of(*spoilt.component))) << damage.what;
 
     Bench b(parameters());
     EXPECT_FALSE(restore_checkpoint(saved(spoilt), b.component)) << damage.what;

@@ -32,7 +32,7 @@ Octets model_of(const Component& component) {
 const Octets& model() {
   static const Octets octets = [] {
     Bench first;
-    show_first(pictures_of_turning(kFrames), kFrames, &first);
+    show_first(images_of_turning(kFrames), kFrames, &first);
     return model_of(*first.component);
   }();
   return octets;

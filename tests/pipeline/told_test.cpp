@@ -36,7 +36,7 @@ const std::vector<Picture>& pictures() {
   return rendered;
 }
 
-Parameters telling() {
+Parameters redundant() {
   Parameters p = parameters();
   p.bus.shape_every_frames = static_cast<int>(kEvery);
   p.bus.model_every_frames = 2;
@@ -57,7 +57,7 @@ struct Told {
 
 Told run() {
   Told told;
-  told.bench = std::make_unique<Bench>(telling());
+  told.bench = std::make_unique<Bench>(redundant());
   for (const Picture& picture : pictures()) {
     const StepOutput& out = told.bench->show(picture);
     const auto append = [](const auto& from, auto* to) {
@@ -116,7 +116,7 @@ TEST(ShapeTold, IsTheBodysOwn) {
 }
 
 TEST(ShapeTold, IsForgottenWithTheTarget) {
-  Bench bench(telling());
+  Bench bench(redundant());
   for (int i = 0; i < 20; ++i) {
     (void)bench.show(pictures()[static_cast<std::size_t>(i)]);
   }
@@ -134,7 +134,7 @@ TEST(ShapeTold, GoesOnAfterARestart) {
   const Component& before = *told().bench->component;
   std::vector<std::uint8_t> octets(checkpoint_octets_max());
   octets.resize(save_checkpoint(before, octets));
-  Bench after(telling());
+  Bench after(redundant());
   ASSERT_TRUE(restore_checkpoint(octets, after.component));
   const ShapeState& shape = state_of(*after.component).shape;
   ASSERT_TRUE(shape.shape.has_value());

@@ -8,7 +8,7 @@ namespace polhode::platform::assertion_test {
 namespace {
 
 void fail() {
-  tell_assertions();
+  print_assertions();
   const int frames = 7;
   POLHODE_ASSERT(frames < 3, frames);
 }

@@ -107,7 +107,7 @@ TEST_F(BeginningTest, ACrashWhileACheckpointIsRestoredIsLaidToIt) {
 
 TEST_F(BeginningTest, SoIsAnEndByAnException) {
   const auto no_more_memory = [] {
-    const rlimit none{.rlim_cur = 0, .rlim_max = 0};  // to what there is: nothing is mapped anew
+    const rlimit none{.rlim_cur = 0, .rlim_max = 0};  // to what there is: nothing is mapped again
     ::setrlimit(RLIMIT_AS, &none);
   };
   EXPECT_EQ(begin(no_more_memory), 1);

@@ -47,24 +47,24 @@ class CheckpointFile : public testing::Test {
     return {loaded.content.begin(), loaded.content.end()};
   }
   /// As somebody makes them who has altered a checkpoint.
-  static std::string with_right_checksums(std::string octets) {
+  static std::string with_right_checksums(std::string bytes) {
     constexpr std::size_t kHeader = 240;
     constexpr std::size_t kContentCrc = 128;
-    const auto put = [&octets](std::size_t at, std::size_t first, std::size_t count) {
-      const auto* data = reinterpret_cast<const std::uint8_t*>(octets.data()) + first;
+    const auto put = [&bytes](std::size_t at, std::size_t first, std::size_t count) {
+      const auto* data = reinterpret_cast<const std::uint8_t*>(bytes.data()) + first;
       const std::uint32_t crc = crc32_iso_hdlc({data, count});
-      std::memcpy(octets.data() + at, &crc, sizeof crc);
+      std::memcpy(bytes.data() + at, &crc, sizeof crc);
     };
-    put(kContentCrc, kHeader, octets.size() - kHeader);
+    put(kContentCrc, kHeader, bytes.size() - kHeader);
     put(kHeader - 4, 0, kHeader - 4);
-    return octets;
+    return bytes;
   }
-  [[nodiscard]] std::string octets() const {
+  [[nodiscard]] std::string bytes() const {
     std::ifstream in(file_, std::ios::binary);
     return {std::istreambuf_iterator<char>(in), {}};
   }
-  void replace(const std::string& octets) const {
-    std::ofstream(file_, std::ios::binary | std::ios::trunc) << octets;
+  void replace(const std::string& bytes) const {
+    std::ofstream(file_, std::ios::binary | std::ios::trunc) << bytes;
   }
 
   static constexpr Moment kStepped{.utc_ns = 1'000'000'000'000, .since_boot_ns = 400'000'000'000};
@@ -90,7 +90,7 @@ TEST_F(CheckpointFile, ComesBackAsItWas) {
 // verifies: LIV-04
 TEST_F(CheckpointFile, CutOffAnywhereItIsRefused) {
   ASSERT_TRUE(write(content_));
-  const std::string good = octets();
+  const std::string good = bytes();
   for (std::size_t length = 0; length < good.size(); ++length) {
     replace(good.substr(0, length));
     EXPECT_NE(load().refusal, "") << length;
@@ -103,7 +103,7 @@ TEST_F(CheckpointFile, CutOffAnywhereItIsRefused) {
 // verifies: LIV-04
 TEST_F(CheckpointFile, WithAnyBitFlippedItIsRefused) {
   ASSERT_TRUE(write(content_));
-  const std::string good = octets();
+  const std::string good = bytes();
   for (std::size_t bit = 0; bit < 8 * good.size(); ++bit) {
     std::string damaged = good;
     damaged[bit / 8] = static_cast<char>(damaged[bit / 8] ^ (1 << (bit % 8)));
@@ -164,9 +164,9 @@ TEST_F(CheckpointFile, WithAKeyOnlyTheOneThatTheKeySignedIsTaken) {
   EXPECT_EQ(load_signed_by(key).refusal, refusal);
   // The parts of two that were signed, with checksums made right.
   ASSERT_TRUE(write(content_, &key));
-  const std::string one = octets();
+  const std::string one = bytes();
   ASSERT_TRUE(write(std::vector<std::uint8_t>{9, 9, 9, 4, 5, 6, 7}, &key));
-  const std::string two = octets();
+  const std::string two = bytes();
   for (std::size_t from = 0; from < one.size(); from += 4) {
     for (std::size_t to = from + 4; to <= one.size(); to += 4) {
       std::string mixed = one;
@@ -191,7 +191,7 @@ TEST_F(CheckpointFile, OfAnotherBuildItIsRefusedEverywhere) {
 
 TEST_F(CheckpointFile, TheOneBeforeTheLastStaysBesideIt) {
   ASSERT_TRUE(write(content_));
-  const std::string first = octets();
+  const std::string first = bytes();
   ASSERT_TRUE(write(std::vector<std::uint8_t>{8, 9}));
   std::ifstream before(checkpoint_before(file_), std::ios::binary);
   EXPECT_EQ(std::string(std::istreambuf_iterator<char>(before), {}), first);
@@ -221,7 +221,7 @@ TEST_F(CheckpointFile, ThatOthersMayHaveWrittenStartsNoRun) {
   if (::geteuid() == 0) {
     ASSERT_EQ(::chown(file_.c_str(), 65534, 65534), 0);
     EXPECT_EQ(load().refusal, "belongs to user 65534, not to 0");
-    EXPECT_TRUE(load().octets.empty());
+    EXPECT_TRUE(load().bytes.empty());
     EXPECT_EQ(load_whole_checkpoint(file_, BuildId{}).refusal, "") << "a replay was told which";
   }
 }

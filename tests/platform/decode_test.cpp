@@ -60,7 +60,7 @@ TEST(Decode, Png_Keeps16BitValues_InTheMachinesOrder) {
   const DecodedImage image =
       decoded(encode_png({.width = kWidth, .height = kHeight, .depth = 16}, samples));
   ASSERT_EQ(image.header.format, PixelFormat::kGray16);
-  EXPECT_EQ(image.view().stride_octets, 2 * kWidth);
+  EXPECT_EQ(image.view().stride_bytes, 2 * kWidth);
   for (std::size_t i = 0; i < kCount; ++i) {
     ASSERT_EQ(deep_pixel(image, i), samples[2 * i] * 256 + samples[2 * i + 1]);
   }
@@ -100,11 +100,11 @@ TEST(Decode, Png_OfOnePixelIsReadInterlaced) {
 TEST(Decode, Jpeg_InSeveralScansTellsWhatItsDecoderTakes) {
   ImageHeader header;
   ASSERT_EQ(read_header(encode_jpeg(kWidth, kHeight, gray_samples()), header), std::nullopt);
-  EXPECT_EQ(header.decoder_octets, 0U);
+  EXPECT_EQ(header.decoder_bytes, 0U);
   const File progressive = encode_jpeg(kWidth, kHeight, gray_samples(), TJFLAG_PROGRESSIVE);
   ASSERT_EQ(read_header(progressive, header), std::nullopt);
-  EXPECT_GE(header.decoder_octets, 2 * 40U * 24U);  // whole blocks of 8 x 8, 16 bits each
-  EXPECT_LE(header.decoder_octets, 2 * (kWidth + 32U) * (kHeight + 32U));
+  EXPECT_GE(header.decoder_bytes, 2 * 40U * 24U);  // whole blocks of 8 x 8, 16 bits each
+  EXPECT_LE(header.decoder_bytes, 2 * (kWidth + 32U) * (kHeight + 32U));
   EXPECT_EQ(decoded(progressive).header.width_px, kWidth);
 }
 
@@ -155,7 +155,7 @@ TEST(Decode, Pgm_ScalesAnotherMaxvalToFullScale) {
 }
 
 // verifies: PRG-06
-TEST(Decode, EveryTruncationIsRefused_AndSaysSo_WhereAPixelIsMissing) {
+TEST(Decode, EveryTruncationIsRefused_AndReportsIt_WhereAPixelIsMissing) {
   const PngShape shape{.width = kWidth, .height = kHeight};
   const File files[] = {encode_png(shape, gray_samples()),
                         encode_jpeg(kWidth, kHeight, gray_samples()),
@@ -164,8 +164,8 @@ TEST(Decode, EveryTruncationIsRefused_AndSaysSo_WhereAPixelIsMissing) {
     const DecodedImage whole = decoded(file);
     for (std::size_t size = 0; size < file.size(); ++size) {
       DecodedImage image;
-      const Refusal refusal = decode(Octets(file).first(size), image);
-      if (!refusal) {  // a JPEG without its end marker: all of the picture is there
+      const Refusal refusal = decode(Bytes(file).first(size), image);
+      if (!refusal) {  // a JPEG without its end marker: all of the image is there
         ASSERT_EQ(&file, &files[1]);
         ASSERT_GE(size + 2, file.size());
         ASSERT_EQ(image.pixels, whole.pixels);
@@ -177,7 +177,7 @@ TEST(Decode, EveryTruncationIsRefused_AndSaysSo_WhereAPixelIsMissing) {
   }
 }
 
-/// Octets put before the marker FF xx.
+/// Bytes put before the marker FF xx.
 File with_stray(File file, std::uint8_t marker, const File& stray) {
   for (std::size_t i = file.size() - 2; i > 0; --i) {
     if (file[i] == 0xFF && file[i + 1] == marker) {
@@ -189,7 +189,7 @@ File with_stray(File file, std::uint8_t marker, const File& stray) {
   return file;
 }
 
-TEST(Decode, AJpegsStrayOctetsAreNoDamage_DataThatIsNotUnderstoodIs) {
+TEST(Decode, AJpegsStrayBytesAreNoDamage_DataThatIsNotUnderstoodIs) {
   constexpr std::uint8_t kEnd = 0xD9;
   const File file = encode_jpeg(kWidth, kHeight, gray_samples());
   const DecodedImage whole = decoded(file);
@@ -211,10 +211,10 @@ TEST(Decode, AProgressiveJpegThatLacksScansIsRefused) {
   }
   ASSERT_GT(last_scan, 0U);
   DecodedImage image;
-  EXPECT_TRUE(decode(Octets(file).first(last_scan), image).has_value());
+  EXPECT_TRUE(decode(Bytes(file).first(last_scan), image).has_value());
 }
 
-TEST(Decode, DamagedOctetsNeverCrash_AndPngNoticesThem) {
+TEST(Decode, DamagedBytesNeverCrash_AndPngNoticesThem) {
   const File png = encode_png({.width = kWidth, .height = kHeight}, gray_samples());
   const File jpeg = encode_jpeg(kWidth, kHeight, gray_samples());
   for (const File& file : {png, jpeg}) {

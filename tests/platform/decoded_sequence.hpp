@@ -17,9 +17,9 @@ class DecodedSequence {
     FileCamera camera(sequence);
     Frame frame;
     while (camera.next(frame)) {
-      std::vector<std::uint8_t>& rows = pictures_.emplace_back();
+      std::vector<std::uint8_t>& rows = images_.emplace_back();
       for (int v = 0; v < frame.image.height_px; ++v) {
-        const std::uint8_t* row = frame.image.data + v * frame.image.stride_octets;
+        const std::uint8_t* row = frame.image.data + v * frame.image.stride_bytes;
         rows.insert(rows.end(), row, row + frame.image.width_px);
       }
     }
@@ -29,15 +29,15 @@ class DecodedSequence {
   [[nodiscard]] Frame frame(std::size_t position) const {
     const CameraParameters& c = sequence_.camera;
     return {.timestamp_ns = static_cast<std::int64_t>(position + 1) * 10'000'000'000,
-            .image = {.data = pictures_[played_frame(sequence_, position).index].data(),
+            .image = {.data = images_[played_frame(sequence_, position).index].data(),
                       .width_px = c.width_px,
                       .height_px = c.height_px,
-                      .stride_octets = c.width_px}};
+                      .stride_bytes = c.width_px}};
   }
 
  private:
   const Sequence& sequence_;
-  std::vector<std::vector<std::uint8_t>> pictures_;
+  std::vector<std::vector<std::uint8_t>> images_;
 };
 
 }  // namespace polhode::platform

@@ -14,9 +14,9 @@ namespace {
 /// A segment as cameras write it: one entry before, then the orientation.
 File exif(bool little, std::uint16_t orientation) {
   File tiff = little ? File{'I', 'I', 42, 0, 8, 0, 0, 0} : File{'M', 'M', 0, 42, 0, 0, 0, 8};
-  const auto put = [&](std::uint32_t value, int octets) {
-    for (int i = 0; i < octets; ++i) {
-      const int shift = 8 * (little ? i : octets - 1 - i);
+  const auto put = [&](std::uint32_t value, int bytes) {
+    for (int i = 0; i < bytes; ++i) {
+      const int shift = 8 * (little ? i : bytes - 1 - i);
       tiff.push_back(static_cast<std::uint8_t>(value >> shift));
     }
   };
@@ -34,8 +34,8 @@ File exif(bool little, std::uint16_t orientation) {
   for (const char c : std::string_view("Exif\0\0", 6)) {
     segment.push_back(static_cast<std::uint8_t>(c));
   }
-  for (const std::uint8_t octet : tiff) {
-    segment.push_back(octet);
+  for (const std::uint8_t byte : tiff) {
+    segment.push_back(byte);
   }
   return segment;
 }
@@ -46,7 +46,7 @@ File with(const File& segment) {
   return jpeg;
 }
 
-TEST(Exif, TellsTheOrientationInEitherOctetOrder) {
+TEST(Exif, TellsTheOrientationInEitherByteOrder) {
   for (std::uint16_t orientation = 1; orientation <= 8; ++orientation) {
     EXPECT_EQ(exif_orientation(with(exif(true, orientation))), orientation);
     EXPECT_EQ(exif_orientation(with(exif(false, orientation))), orientation);
@@ -60,13 +60,13 @@ TEST(Exif, IsOneWhereNothingElseIsSaid) {
   EXPECT_EQ(exif_orientation({}), 1);
 }
 
-/// Any octets give an orientation, and none beyond the end is read (the sanitizers' build sees it).
+/// Any bytes give an orientation, and none beyond the end is read (the sanitizers' build sees it).
 TEST(Exif, DamageIsNoFault) {
   const File good = with(exif(false, 6));
-  for (std::size_t octets = 0; octets <= good.size(); ++octets) {
-    const File cut(good.begin(), good.begin() + static_cast<std::ptrdiff_t>(octets));
+  for (std::size_t bytes = 0; bytes <= good.size(); ++bytes) {
+    const File cut(good.begin(), good.begin() + static_cast<std::ptrdiff_t>(bytes));
     const int orientation = exif_orientation(cut);
-    EXPECT_TRUE(orientation == 1 || orientation == 6) << octets;
+    EXPECT_TRUE(orientation == 1 || orientation == 6) << bytes;
   }
   Rng rng(7, 0);
   for (int i = 0; i < 2000; ++i) {

@@ -14,10 +14,10 @@ namespace {
 
 using namespace recordings;
 
-TEST(Export, LeavesOutFramesWhoseTimesRunBack_AndSaysSo) {
+TEST(Export, LeavesOutFramesWhoseTimesRunBack_AndReportsIt) {
   const TemporaryFolder folder;
   {
-    Recorder recorder(options(folder.path()), kBegin, kFrameOctets);
+    Recorder recorder(options(folder.path()), kBegin, kFrameBytes);
     for (const std::int64_t time_ns :
          {10'000'000, 30'000'000, 20'000'000, 30'000'000, 40'000'000}) {
       recorder.frame(frame_of(time_ns, ramp(kWidth * kHeight)));
@@ -34,10 +34,10 @@ TEST(Export, LeavesOutFramesWhoseTimesRunBack_AndSaysSo) {
 TEST(Export, IsASequenceWithTheSamePixelsAndTimes) {
   const TemporaryFolder folder;
   const Pixels shallow = noise(1, kWidth * kHeight);
-  const Pixels deep = noise(2, kFrameOctets);
+  const Pixels deep = noise(2, kFrameBytes);
   const Pixels packet{0xAB, 0x01};
   {
-    Recorder recorder(options(folder.path() / "rec"), kBegin, kFrameOctets);
+    Recorder recorder(options(folder.path() / "rec"), kBegin, kFrameBytes);
     recorder.frame(frame_of(1'000'000, shallow));
     recorder.frame({.timestamp_ns = 2'000'000, .image = {}, .readable = false});
     recorder.command(packet);
@@ -74,7 +74,7 @@ TEST(Export, IsASequenceWithTheSamePixelsAndTimes) {
 TEST(Export, OverwritesNothing) {
   const TemporaryFolder folder;
   {
-    Recorder(options(folder.path() / "rec"), kBegin, kFrameOctets)
+    Recorder(options(folder.path() / "rec"), kBegin, kFrameBytes)
         .frame(frame_of(1, ramp(kWidth * kHeight)));
   }
   folder.write("seq/mine.txt", "x");
@@ -87,8 +87,8 @@ TEST(Export, NamesTheFilesThatAreNotInTheRecording) {
   const std::string digest(64, 'a');
   {
     Recorder recorder(
-        options(folder.path() / "recording"), begin_text("1", digest, kBegin), kFrameOctets);
-    recorder.frame(frame_of(1, ramp(kFrameOctets / 2)));
+        options(folder.path() / "recording"), begin_text("1", digest, kBegin), kFrameBytes);
+    recorder.frame(frame_of(1, ramp(kFrameBytes / 2)));
   }
   const ExportReport report =
       export_run(recorded_runs(folder.path() / "recording").back(), folder.path() / "out");
@@ -96,17 +96,17 @@ TEST(Export, NamesTheFilesThatAreNotInTheRecording) {
   EXPECT_FALSE(replays_to_the_same_bytes(report));
 }
 
-TEST(Export, SaysWhenTheBytesWillDiffer) {
+TEST(Export, ReportsWhenTheBytesWillDiffer) {
   EXPECT_TRUE(replays_to_the_same_bytes({.has_begin = true}));
   EXPECT_FALSE(replays_to_the_same_bytes({.has_begin = false}));
   EXPECT_FALSE(replays_to_the_same_bytes({.not_recorded = 1, .has_begin = true}));
-  EXPECT_FALSE(replays_to_the_same_bytes({.octets_lost = 1, .has_begin = true}));
+  EXPECT_FALSE(replays_to_the_same_bytes({.bytes_lost = 1, .has_begin = true}));
   EXPECT_FALSE(replays_to_the_same_bytes({.files_lost = 1, .has_begin = true}));
 }
 
 TEST(Export, NamesWhatARecordingHasLost) {
   EXPECT_EQ(losses_of({.dropped = 3, .has_begin = true}), "");
-  EXPECT_EQ(losses_of({.not_recorded = 2, .out_of_time = 1, .octets_lost = 41, .files_lost = 1}),
+  EXPECT_EQ(losses_of({.not_recorded = 2, .out_of_time = 1, .bytes_lost = 41, .files_lost = 1}),
             "its beginning has been removed, 41 octets damaged, 1 files missing or not to be read, "
             "2 frames not recorded, 1 frames out of time");
 }

@@ -87,7 +87,7 @@ TEST(ExposureControl, LeavesAGainAloneThatTheDeviceHasNot) {
   EXPECT_NEAR(camera.level(), 0.8, 0.1);
 }
 
-/// What the component says of a frame, and what it remembers of it.
+/// Published and stored state of a frame.
 struct Stepped {
   explicit Stepped(FrameUse use) : state(std::make_unique<Component::State>()) { out.use = use; }
   StepOutput out;
@@ -109,12 +109,12 @@ TEST(ExposureControl, GoesUpAfterDarkFrames_DownAfterSaturatedOnes_AndNowhereAft
   }
 }
 
-/// After four frames in which the component saw this picture.
-unsigned changes_after(FrameUse use, const cv::Mat& picture, bool behind, LinearCamera* camera) {
+/// After four frames in which the component saw this image.
+unsigned changes_after(FrameUse use, const cv::Mat& image, bool behind, LinearCamera* camera) {
   Stepped stepped(use);
   Component::State& s = *stepped.state;
-  s.picture.gray = picture;
-  find_target(picture, s.configuration.parameters.mask, &s.picture.mask);
+  s.picture.gray = image;
+  find_target(image, s.configuration.parameters.mask, &s.picture.mask);
   s.picture.mask_state.behind = behind;
   ExposureControl control({.enabled = true, .gain_factor_max = kGainFactor});
   for (int frame = 0; frame < 4; ++frame) {
@@ -123,7 +123,7 @@ unsigned changes_after(FrameUse use, const cv::Mat& picture, bool behind, Linear
   return control.changes();
 }
 
-TEST(ExposureControl, GoesDown_WhenThePictureIsBrightAllOver_AndLearnsNothingWhereItIsGrayAllOver) {
+TEST(ExposureControl, GoesDown_WhenTheImageIsBrightAllOver_AndLearnsNothingWhereItIsGrayAllOver) {
   for (const auto& [level, changes] :
        {std::pair{253, 1U}, std::pair{235, 1U}, std::pair{90, 0U}, std::pair{8, 0U}}) {
     LinearCamera camera(1.0);
@@ -134,12 +134,12 @@ TEST(ExposureControl, GoesDown_WhenThePictureIsBrightAllOver_AndLearnsNothingWhe
 }
 
 TEST(ExposureControl, GoesUp_WhenTheBodyPassesForEmptySpace) {
-  cv::Mat picture(48, 64, CV_8UC1, cv::Scalar(0));
-  picture(cv::Rect(16, 12, 32, 24)).setTo(6);  // not dark, and under the mask's level
+  cv::Mat image(48, 64, CV_8UC1, cv::Scalar(0));
+  image(cv::Rect(16, 12, 32, 24)).setTo(6);  // not dark, and under the mask's level
   LinearCamera camera(1.0);
-  EXPECT_EQ(changes_after(FrameUse::kUsed, picture, false, &camera), 1U);
+  EXPECT_EQ(changes_after(FrameUse::kUsed, image, false, &camera), 1U);
   EXPECT_NEAR(static_cast<double>(camera.setting.exposure_ns), 2e7, 1e5);
-  EXPECT_EQ(changes_after(FrameUse::kUsed, picture, true, &camera), 0U)
+  EXPECT_EQ(changes_after(FrameUse::kUsed, image, true, &camera), 0U)
       << "not found before something bright";
   const cv::Mat pedestal(48, 64, CV_8UC1, cv::Scalar(6));
   LinearCamera other(1.0);

@@ -1,4 +1,4 @@
-// What a service manager is told, for tests.
+// Notifications to a service manager, for tests.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -26,8 +26,8 @@ class Listener {
   Listener& operator=(const Listener&) = delete;
   [[nodiscard]] std::string next() const {
     char text[300];
-    const ssize_t octets = ::recv(socket_, text, sizeof text, 0);
-    return octets < 0 ? std::string() : std::string(text, static_cast<std::size_t>(octets));
+    const ssize_t bytes = ::recv(socket_, text, sizeof text, 0);
+    return bytes < 0 ? std::string() : std::string(text, static_cast<std::size_t>(bytes));
   }
 
  private:

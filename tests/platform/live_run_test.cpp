@@ -22,7 +22,7 @@ class ShortCamera final : public LiveCamera {
     if (left_-- == 0) {
       return Arrival::kEnded;
     }
-    *frame = bench::frame_of(++counted.frames * bench::Bench::kSecond_ns, picture_);
+    *frame = bench::frame_of(++counted.frames * bench::Bench::kSecond_ns, image_);
     return Arrival::kFrame;
   }
   [[nodiscard]] std::int64_t available_ns() const override { return 0; }
@@ -34,14 +34,14 @@ class ShortCamera final : public LiveCamera {
 
  private:
   int left_;
-  bench::Picture picture_ = bench::uniform(0);
+  bench::Picture image_ = bench::uniform(0);
 };
 
 class LiveRun : public testing::Test {
  protected:
   LiveRun() {
     ::setenv("NOTIFY_SOCKET", path_.c_str(), 1);
-    ::setenv("WATCHDOG_USEC", "4", 1);  // told of each stroke
+    ::setenv("WATCHDOG_USEC", "4", 1);  // notified of each stroke
     ::unsetenv("WATCHDOG_PID");
   }
   ~LiveRun() override {
@@ -66,8 +66,8 @@ class LiveRun : public testing::Test {
                     .exposure = exposure_};
     EXPECT_EQ(run_live(parts, {}), LiveEnd::kPlayed);
     int strokes = 0;
-    for (std::string told = listener.next(); !told.empty(); told = listener.next()) {
-      strokes += told == "WATCHDOG=1" ? 1 : 0;
+    for (std::string reported = listener.next(); !reported.empty(); reported = listener.next()) {
+      strokes += reported == "WATCHDOG=1" ? 1 : 0;
     }
     return strokes;
   }
@@ -92,7 +92,7 @@ TEST_F(LiveRun, StrokesTheWatchdogWithSteps) {
 TEST_F(LiveRun, FramesDroppedForAJobThatDoesNotEndAreNoProgress) {
   // The first job is held back by 2.3 s, as the draw for it gives; the frames come in no time.
   Worker worker({.own_thread = true, .latency_ms_max = 3000});
-  const auto work = std::make_unique<StartJob>();  // without frames: it ends at once
+  const auto work = std::make_unique<InitialisationJob>();  // without frames: it ends at once
   Job job{.work = work.get()};
   Jobs jobs;
   (void)jobs.push_back(&job);

@@ -50,15 +50,15 @@ TEST(ModelJson, PredictionsHoldTheErrorsOfAContradictedCamera) {
   camera.contradicted[u] = 1;
   camera.value[static_cast<Eigen::Index>(u)] = 0.03;
   const nlohmann::json sure = written(model)["prediction"][0];
-  const nlohmann::json doubting = written(model, {}, {}, 0.0, camera)["prediction"][0];
+  const nlohmann::json widened = written(model, {}, {}, 0.0, camera)["prediction"][0];
   EXPECT_LT(sure["sigma_att_rad"].get<double>(), 1e-3);
-  EXPECT_NEAR(doubting["sigma_att_rad"].get<double>(), 0.03, 1e-4);
-  const auto p_CT = doubting["p_CT"].get<std::vector<double>>();
+  EXPECT_NEAR(widened["sigma_att_rad"].get<double>(), 0.03, 1e-4);
+  const auto p_CT = widened["p_CT"].get<std::vector<double>>();
   const double range = std::hypot(p_CT[0], p_CT[1], p_CT[2]);
-  EXPECT_NEAR(doubting["sigma_pos"].get<double>(), 0.03 * range, 1e-4);
+  EXPECT_NEAR(widened["sigma_pos"].get<double>(), 0.03 * range, 1e-4);
 }
 
-TEST(ModelJson, OfARefusedModelHasNoNumbersOfDynamicsAndSaysWhy) {
+TEST(ModelJson, OfARefusedModelHasNoNumbersOfDynamicsAndReportsWhy) {
   RigidModel model;
   model.status = ModelStatus::kResidualsTooLarge;
   const nlohmann::json json = written(model);
@@ -159,7 +159,7 @@ TEST(ModelJson, InPaperModeHasNoFit) {
 TEST(ServicerAttitude, WithoutAFileIsHeld) {
   const TemporaryFolder folder;
   const auto attitude = ServicerAttitude::of_sequence(folder.path());
-  EXPECT_FALSE(attitude.told(5).has_value());
+  EXPECT_FALSE(attitude.attitude_at(5).has_value());
 }
 
 TEST(ServicerAttitude, IsInterpolatedAndHeldAtItsEnds) {
@@ -168,7 +168,7 @@ TEST(ServicerAttitude, IsInterpolatedAndHeldAtItsEnds) {
       << "#timestamp_ns,q_IC_w,q_IC_x,q_IC_y,q_IC_z\n100,1,0,0,0\n200,0.5,0,0,0.8660254037844386\n";
   const auto attitude = ServicerAttitude::of_sequence(folder.path());
   EXPECT_NEAR(attitude.q_IC(150).z(), 0.5, 1e-12);  // half of 120 deg about z
-  EXPECT_EQ(attitude.told(50), (std::array<double, 4>{1.0, 0.0, 0.0, 0.0}));
+  EXPECT_EQ(attitude.attitude_at(50), (std::array<double, 4>{1.0, 0.0, 0.0, 0.0}));
   EXPECT_NEAR(attitude.q_IC(300).w(), 0.5, 1e-12);
 }
 

@@ -1,4 +1,4 @@
-// A Bayer sensor's mosaic in gray pictures: found, told apart from texture, levelled.
+// A Bayer sensor's mosaic in gray images: found, distinguished from texture, levelled.
 #include "camera/replay/mosaic.hpp"
 
 #include <gtest/gtest.h>
@@ -75,9 +75,9 @@ TEST(Mosaic, OfSixteenBitsIsLevelledAlike) {
   for (int v = 0; v < kHeight; ++v) {
     for (int u = 0; u < kWidth; ++u) {
       const auto level = static_cast<std::uint16_t>(200.0 * light(u, v) * passed(u, v));
-      std::uint8_t octets[2];
-      std::memcpy(octets, &level, sizeof level);
-      wide.pixels.insert(wide.pixels.end(), octets, octets + 2);
+      std::uint8_t bytes[2];
+      std::memcpy(bytes, &level, sizeof level);
+      wide.pixels.insert(wide.pixels.end(), bytes, bytes + 2);
     }
   }
   ASSERT_TRUE(mosaic_of(wide).has_value());

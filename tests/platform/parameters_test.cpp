@@ -89,7 +89,7 @@ TEST(Parameters, AWordThatIsNoneIsRefusedByItsNumber) {
   }
 }
 
-TEST(Parameters, APictureIsAsLargeAsTheTablesAtMost) {
+TEST(Parameters, AnImageIsAsLargeAsTheTablesAtMost) {
   Parameters parameters;
   parameters.camera = good_camera();
   parameters.camera.width_px = static_cast<int>(limits::kImageSide);
@@ -203,7 +203,7 @@ TEST(Configuration, WhatIsNoRegularFileIsRefused) {
   }
 }
 
-TEST(Configuration, AnEmptyFileSaysThatItIsEmpty) {
+TEST(Configuration, AnEmptyFileIsReportedAsEmpty) {
   const TemporaryFolder folder;
   for (const char* text : {"", "\n\n", "# seed = 1\n"}) {
     const std::filesystem::path file = folder.write("own.toml", text);

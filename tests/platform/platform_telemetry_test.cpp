@@ -36,12 +36,12 @@ class PlatformTelemetryTest : public testing::Test {
     return {std::istreambuf_iterator<char>(in), {}};
   }
   [[nodiscard]] std::vector<bus::PlatformPacket> sent() const {
-    const std::vector<std::uint8_t> octets = written();
-    std::vector<bus::PlatformPacket> packets(octets.size() / kOctets);
-    EXPECT_EQ(octets.size() % kOctets, 0U);
+    const std::vector<std::uint8_t> bytes = written();
+    std::vector<bus::PlatformPacket> packets(bytes.size() / kBytes);
+    EXPECT_EQ(bytes.size() % kBytes, 0U);
     for (std::size_t i = 0; i < packets.size(); ++i) {
-      const auto* begin = octets.data() + i * kOctets;
-      const auto header = bus::decode(bus::PlatformPacket::layout(), {begin, kOctets}, &packets[i]);
+      const auto* begin = bytes.data() + i * kBytes;
+      const auto header = bus::decode(bus::PlatformPacket::layout(), {begin, kBytes}, &packets[i]);
       EXPECT_TRUE(header) << header.error().message;
       EXPECT_EQ(header.value().sequence, i);
       EXPECT_EQ(header.value().apid, 0x1A0 + 7);
@@ -49,7 +49,7 @@ class PlatformTelemetryTest : public testing::Test {
     return packets;
   }
 
-  static constexpr std::size_t kOctets = bus::platform_layout::kPacketOctets;
+  static constexpr std::size_t kBytes = bus::platform_layout::kPacketOctets;
   TemporaryFolder folder_;
   std::filesystem::path file_ = folder_.path() / "sent";
   Transports transports_{{.send = {"file:" + file_.string()}, .receive = {}}};
@@ -86,32 +86,33 @@ TEST_F(PlatformTelemetryTest, TellsWhatTheRunHasCounted) {
   pass(kSecond_ns);
   const auto packets = sent();
   ASSERT_EQ(packets.size(), 1U);
-  const bus::PlatformPacket& told = packets[0];
-  EXPECT_EQ(told.timestamp_ns, kFrame_ns);
-  EXPECT_EQ(told.frames_dropped, 1112U);
-  EXPECT_EQ(told.camera_errors, 9U);
-  EXPECT_EQ(told.camera_reopened, 8U);
-  EXPECT_EQ(told.deadline_misses, 1U);
-  EXPECT_EQ(told.jobs_late, 2U);
-  EXPECT_EQ(told.last_step_us, 900U);
-  EXPECT_EQ(told.longest_step_us, 5000U);
-  EXPECT_EQ(told.restarts, 7U);
-  EXPECT_EQ(told.flags, bus::platform_layout::kFlagWatchdog | bus::platform_layout::kFlagRealTime);
-  EXPECT_GT(told.resident_octets, 1'000'000U);
-  EXPECT_GE(told.resident_peak_octets, told.resident_octets / 2);
+  const bus::PlatformPacket& reported = packets[0];
+  EXPECT_EQ(reported.timestamp_ns, kFrame_ns);
+  EXPECT_EQ(reported.frames_dropped, 1112U);
+  EXPECT_EQ(reported.camera_errors, 9U);
+  EXPECT_EQ(reported.camera_reopened, 8U);
+  EXPECT_EQ(reported.deadline_misses, 1U);
+  EXPECT_EQ(reported.jobs_late, 2U);
+  EXPECT_EQ(reported.last_step_us, 900U);
+  EXPECT_EQ(reported.longest_step_us, 5000U);
+  EXPECT_EQ(reported.restarts, 7U);
+  EXPECT_EQ(reported.flags,
+            bus::platform_layout::kFlagWatchdog | bus::platform_layout::kFlagRealTime);
+  EXPECT_GT(reported.resident_octets, 1'000'000U);
+  EXPECT_GE(reported.resident_peak_octets, reported.resident_octets / 2);
 }
 
 TEST_F(PlatformTelemetryTest, ADiskThatRefusesIsAnEvent_WithACountOfItsOwn) {
   const WriteFailures failures{.packets = 5, .checkpoints = 1, .records = 123456789, .streamed = 2};
   telemetry_.disk_refused(failures, transports_, kFrame_ns);
   telemetry_.disk_refused(failures, transports_, kFrame_ns);
-  const std::vector<std::uint8_t> octets = written();
+  const std::vector<std::uint8_t> bytes = written();
   constexpr std::size_t kEvent = bus::platform_event_layout::kPacketOctets;
-  ASSERT_EQ(octets.size(), 2 * kEvent);
+  ASSERT_EQ(bytes.size(), 2 * kEvent);
   for (std::uint16_t i = 0; i < 2; ++i) {
     bus::PlatformEventPacket event;
     const auto header = bus::decode(
-        bus::PlatformEventPacket::layout(), std::span(octets).subspan(i * kEvent, kEvent), &event);
+        bus::PlatformEventPacket::layout(), std::span(bytes).subspan(i * kEvent, kEvent), &event);
     ASSERT_TRUE(header) << header.error().message;
     EXPECT_EQ(header.value().apid, 0x1A0 + 9);
     EXPECT_EQ(header.value().sequence, i);

@@ -74,7 +74,7 @@ TEST(PlayedSequence, PassesOverFramesThatAreLongDue) {
   EXPECT_EQ(camera.next(1, &frame), Arrival::kEnded);
 }
 
-TEST(PlayedSequence, WaitsForAFrameThatIsNotDue_NoLongerThanToldTo) {
+TEST(PlayedSequence, WaitsForAFrameThatIsNotDue_NoLongerThanRequested) {
   const Five five;
   const std::int64_t now_ns = linux_device_calls().now_ns();
   PlayedSequence camera(five.sequence,

@@ -20,10 +20,10 @@ using namespace recordings;
 TEST(Recording, GivesFramesDropsAndCommandsBackInTheirOrder) {
   const TemporaryFolder folder;
   const Pixels shallow = noise(1, kWidth * kHeight);
-  const Pixels deep = ramp(kFrameOctets);
+  const Pixels deep = ramp(kFrameBytes);
   const Pixels packet{1, 2, 3};
   {
-    Recorder recorder(options(folder.path()), kBegin, kFrameOctets);
+    Recorder recorder(options(folder.path()), kBegin, kFrameBytes);
     recorder.frame(frame_of(10, shallow));
     recorder.dropped(DropReason::kLate, 3);
     recorder.command(packet);
@@ -51,8 +51,8 @@ TEST(Recording, PaddedRowsAreStoredWithoutTheirPadding) {
   const TemporaryFolder folder;
   const Pixels padded = noise(2, (kWidth + 10) * kHeight);
   Frame frame = frame_of(10, padded);
-  frame.image.stride_octets = kWidth + 10;
-  { Recorder(options(folder.path()), kBegin, kFrameOctets).frame(frame); }
+  frame.image.stride_bytes = kWidth + 10;
+  { Recorder(options(folder.path()), kBegin, kFrameBytes).frame(frame); }
   const auto records = read_all(folder.path());
   ASSERT_EQ(records.size(), 2U);
   ASSERT_EQ(records[1].content.size(), static_cast<std::size_t>(kWidth * kHeight));
@@ -62,20 +62,20 @@ TEST(Recording, PaddedRowsAreStoredWithoutTheirPadding) {
 TEST(Recording, StaysWithinItsBound_TheOldestGoFirst) {
   const TemporaryFolder folder;
   RecorderOptions bounded = options(folder.path());
-  bounded.limits = {.segment_octets_max = 20'000, .folder_octets_max = 100'000};
+  bounded.limits = {.segment_bytes_max = 20'000, .folder_bytes_max = 100'000};
   {
-    Recorder recorder(bounded, kBegin, kFrameOctets);
+    Recorder recorder(bounded, kBegin, kFrameBytes);
     for (int i = 0; i < 200; ++i) {  // 600 kB
       recorder.frame(frame_of(i, noise(static_cast<std::uint64_t>(i), kWidth * kHeight)));
     }
   }
-  std::uintmax_t octets = 0;
+  std::uintmax_t bytes = 0;
   for (const auto& entry : fs::directory_iterator(folder.path())) {
-    octets += entry.file_size();
+    bytes += entry.file_size();
     EXPECT_LE(entry.file_size(), 20'000U);
   }
-  EXPECT_LE(octets, 100'000U);
-  EXPECT_GE(octets, 60'000U);
+  EXPECT_LE(bytes, 100'000U);
+  EXPECT_GE(bytes, 60'000U);
   const auto records = read_all(folder.path());
   EXPECT_EQ(records.front().header.kind, RecordKind::kBegin);
   EXPECT_EQ(records.back().header.timestamp_ns, 199);
@@ -85,10 +85,10 @@ TEST(Recording, StaysWithinItsBound_TheOldestGoFirst) {
 TEST(Recording, AnEarlierRunsFilesCountAndGoFirst) {
   const TemporaryFolder folder;
   RecorderOptions run = options(folder.path());
-  run.limits = {.segment_octets_max = 20'000, .folder_octets_max = 100'000};
+  run.limits = {.segment_bytes_max = 20'000, .folder_bytes_max = 100'000};
   for (int n = 0; n < 3; ++n) {
     run.run_utc_ns = 1000 + n;
-    Recorder recorder(run, kBegin, kFrameOctets);
+    Recorder recorder(run, kBegin, kFrameBytes);
     for (int i = 0; i < 15; ++i) {
       recorder.frame(frame_of(i, noise(static_cast<std::uint64_t>(i), kWidth * kHeight)));
     }
@@ -107,7 +107,7 @@ TEST(Recording, ADiskThatIsTooSlowCostsFrames_CountedAndWrittenDown) {
   RecorderCounters counters;
   constexpr std::uint64_t kFrames = 400;
   {
-    Recorder recorder(hasty, kBegin, kFrameOctets);
+    Recorder recorder(hasty, kBegin, kFrameBytes);
     const Pixels pixels = noise(1, kWidth * kHeight);
     for (std::uint64_t i = 0; i < kFrames; ++i) {
       recorder.frame(frame_of(static_cast<std::int64_t>(i), pixels));
@@ -128,9 +128,9 @@ TEST(Recording, ADiskThatIsTooSlowCostsFrames_CountedAndWrittenDown) {
 /// As a full disk: no file of the process grows beyond this while it lives.
 class FullDisk {
  public:
-  explicit FullDisk(std::uintmax_t octets) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+  explicit FullDisk(std::uintmax_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
     ::getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit full{.rlim_cur = octets, .rlim_max = before_.rlim_max};
+    const rlimit full{.rlim_cur = bytes, .rlim_max = before_.rlim_max};
     ::setrlimit(RLIMIT_FSIZE, &full);
   }
   ~FullDisk() {
@@ -150,7 +150,7 @@ TEST(Recording, WhatAFullDiskRefusesIsWrittenDown_OnceThereIsRoom) {
   const TemporaryFolder folder;
   const Pixels pixels = noise(1, kWidth * kHeight);
   {
-    Recorder recorder(options(folder.path()), kBegin, kFrameOctets);
+    Recorder recorder(options(folder.path()), kBegin, kFrameBytes);
     std::int64_t time_ns = 0;
     const auto settled = [&](auto RecorderCounters::*counter, std::uint64_t count) {
       while (recorder.counters().*counter < count) {
@@ -168,9 +168,9 @@ TEST(Recording, WhatAFullDiskRefusesIsWrittenDown_OnceThereIsRoom) {
     }
     recorder.frame(frame_of(++time_ns, pixels));
   }
-  std::uint64_t octets_lost = 0;
-  const auto records = read_all(folder.path(), &octets_lost);
-  EXPECT_EQ(octets_lost, 0U);
+  std::uint64_t bytes_lost = 0;
+  const auto records = read_all(folder.path(), &bytes_lost);
+  EXPECT_EQ(bytes_lost, 0U);
   ASSERT_EQ(records.size(), 4U);
   EXPECT_EQ(records[2].header.reason, DropReason::kNotRecorded);
   EXPECT_EQ(records[2].header.count, 3U);
@@ -181,7 +181,7 @@ TEST(Recording, AFileThatTheDiskDoesNotLetBeginIsNotLeftBehind) {
   const TemporaryFolder folder;
   const Pixels pixels = noise(1, kWidth * kHeight);
   {
-    Recorder recorder(options(folder.path()), kBegin, kFrameOctets);
+    Recorder recorder(options(folder.path()), kBegin, kFrameBytes);
     {
       const FullDisk full(0);
       recorder.frame(frame_of(1, pixels));
@@ -202,27 +202,27 @@ TEST(Recording, AFileThatTheDiskDoesNotLetBeginIsNotLeftBehind) {
 class DamagedRecording : public testing::Test {
  protected:
   DamagedRecording() {
-    Recorder recorder(options(folder_.path()), kBegin, kFrameOctets);
+    Recorder recorder(options(folder_.path()), kBegin, kFrameBytes);
     for (int i = 0; i < 10; ++i) {
       recorder.frame(frame_of(i, noise(static_cast<std::uint64_t>(i), kWidth * kHeight)));
     }
   }
   [[nodiscard]] fs::path file() const { return segment_files(folder_.path()).front(); }
-  [[nodiscard]] std::string octets() const {
+  [[nodiscard]] std::string bytes() const {
     std::ifstream in(file(), std::ios::binary);
     return {std::istreambuf_iterator<char>(in), {}};
   }
-  void replace(const std::string& octets) const {
-    std::ofstream(file(), std::ios::binary | std::ios::trunc) << octets;
+  void replace(const std::string& bytes) const {
+    std::ofstream(file(), std::ios::binary | std::ios::trunc) << bytes;
   }
   TemporaryFolder folder_;
 };
 
 TEST_F(DamagedRecording, OneFlippedBitCostsOneFrame) {
-  const std::string good = octets();
-  const std::size_t record = kRecordHeaderOctets + kWidth * kHeight;
-  const std::size_t begin = kRecordHeaderOctets + std::string(kBegin).size();
-  for (const std::size_t where : {std::size_t{2}, std::size_t{20}, kRecordHeaderOctets + 100}) {
+  const std::string good = bytes();
+  const std::size_t record = kRecordHeaderBytes + kWidth * kHeight;
+  const std::size_t begin = kRecordHeaderBytes + std::string(kBegin).size();
+  for (const std::size_t where : {std::size_t{2}, std::size_t{20}, kRecordHeaderBytes + 100}) {
     std::string damaged = good;
     damaged[begin + 4 * record + where] =
         static_cast<char>(damaged[begin + 4 * record + where] ^ 16);
@@ -237,20 +237,20 @@ TEST_F(DamagedRecording, OneFlippedBitCostsOneFrame) {
 }
 
 TEST_F(DamagedRecording, ATornEndCostsTheLastFrame_WhereverItIsTorn) {
-  const std::string good = octets();
+  const std::string good = bytes();
   for (const std::size_t cut : {1U, 500U, static_cast<unsigned>(kWidth * kHeight), 3100U}) {
     replace(good.substr(0, good.size() - cut));
     std::uint64_t lost = 0;
     EXPECT_EQ(read_all(folder_.path(), &lost).size(), 10U) << cut;
-    EXPECT_EQ(lost, kRecordHeaderOctets + kWidth * kHeight - cut);
+    EXPECT_EQ(lost, kRecordHeaderBytes + kWidth * kHeight - cut);
   }
 }
 
 TEST_F(DamagedRecording, RubbishIsNoRecording) {
   Rng rng(5, 5);
   std::string rubbish(50'000, '\0');
-  for (char& octet : rubbish) {
-    octet = static_cast<char>(rng.below(256));
+  for (char& byte : rubbish) {
+    byte = static_cast<char>(rng.below(256));
   }
   replace(rubbish);
   EXPECT_TRUE(read_all(folder_.path()).empty());
@@ -264,35 +264,35 @@ TEST(Recording, ACommandThatFindsNoPlaceIsCountedAndWrittenDown_AtTheEndToo) {
   RecorderOptions few = options(folder.path());
   few.complete = false;
   few.slots = 2;
-  few.limits.folder_octets_max =
+  few.limits.folder_bytes_max =
       1'000'000'000;  // no file makes room for another, however many frames find a place
   std::uint64_t missed = 0;
   {
-    Recorder recorder(few, kBegin, kFrameOctets);
+    Recorder recorder(few, kBegin, kFrameBytes);
     const std::vector<std::uint8_t> packet(2000, 7);
-    recorder.frame(frame_of(1, noise(1, kFrameOctets / 2)));
+    recorder.frame(frame_of(1, noise(1, kFrameBytes / 2)));
     for (int i = 0; i < 20000; ++i) {
       recorder.dropped(DropReason::kLate, 1);
-      recorder.frame(frame_of(2 + i, noise(1, kFrameOctets / 2)));
+      recorder.frame(frame_of(2 + i, noise(1, kFrameBytes / 2)));
     }
     recorder.command(packet);
     missed = recorder.counters().missed;
   }
-  std::uint64_t told = 0;
+  std::uint64_t reported = 0;
   for (const Record& record : read_all(folder.path())) {
-    told += record.header.reason == DropReason::kNotRecorded &&
-                    record.header.kind == RecordKind::kDropped
-                ? record.header.count
-                : 0;
+    reported += record.header.reason == DropReason::kNotRecorded &&
+                        record.header.kind == RecordKind::kDropped
+                    ? record.header.count
+                    : 0;
   }
-  EXPECT_EQ(told, missed);
+  EXPECT_EQ(reported, missed);
 }
 
-/// Writes a recording of one frame whose header says what is wanted; all checksums are right.
-void write_frame_of(const fs::path& folder, RecordHeader header, std::size_t content_octets) {
-  const std::vector<std::uint8_t> content(content_octets, 0x1F);
+/// Writes a recording of one frame whose header indicates what is wanted; all checksums are right.
+void write_frame_of(const fs::path& folder, RecordHeader header, std::size_t content_bytes) {
+  const std::vector<std::uint8_t> content(content_bytes, 0x1F);
   header.kind = RecordKind::kFrame;
-  header.octets = static_cast<std::uint32_t>(content.size());
+  header.bytes = static_cast<std::uint32_t>(content.size());
   header.content_crc32 = crc32_iso_hdlc(content);
   const auto head = encode(header);
   std::ofstream out(folder / "recording-1-000001.rec", std::ios::binary);
@@ -314,7 +314,7 @@ TEST(Recording, ASizeThatNoFrameHasIsPassedOver_BeforeMemoryIsAskedFor) {
     write_frame_of(folder.path(), header, 40'000);
     std::uint64_t lost = 0;
     EXPECT_TRUE(read_all(folder.path(), &lost).empty()) << header.width_px;
-    EXPECT_EQ(lost, kRecordHeaderOctets + 40'000U);
+    EXPECT_EQ(lost, kRecordHeaderBytes + 40'000U);
   }
 }
 
@@ -323,14 +323,14 @@ TEST(Recording, AFrameLargerThanTheCamerasIsPassedOver) {
   write_frame_of(frame.path(), {.width_px = 128, .height_px = 97}, 128 * 97);
   EXPECT_EQ(read_all(frame.path()).size(), 1U);  // without the camera nothing speaks against it
   {
-    Recorder recorder(options(frame.path() / "run"), kBegin, kFrameOctets);
-    const Pixels pixels(kFrameOctets / 2, 1);
+    Recorder recorder(options(frame.path() / "run"), kBegin, kFrameBytes);
+    const Pixels pixels(kFrameBytes / 2, 1);
     recorder.frame(frame_of(1, pixels));
   }
   fs::copy(frame.path() / "recording-1-000001.rec", frame.path() / "run/recording-1000-000002.rec");
   std::uint64_t lost = 0;
   EXPECT_EQ(read_all(frame.path() / "run", &lost).size(), 2U);  // the beginning, and the good frame
-  EXPECT_EQ(lost, kRecordHeaderOctets + 128U * 97U);
+  EXPECT_EQ(lost, kRecordHeaderBytes + 128U * 97U);
 }
 
 TEST(Recording, FilesOfOtherNamesAreNoSegments) {
@@ -364,11 +364,11 @@ TEST(Recording, WhatIsWrittenWholeLeavesItsNeighboursAlone) {
 TEST(Recording, AFileThatIsMissingIsFound) {
   const TemporaryFolder folder;
   RecorderOptions small = options(folder.path());
-  small.limits.segment_octets_max = 20'000;
+  small.limits.segment_bytes_max = 20'000;
   {
-    Recorder recorder(small, kBegin, kFrameOctets);
+    Recorder recorder(small, kBegin, kFrameBytes);
     for (int i = 0; i < 40; ++i) {
-      recorder.frame(frame_of(i, noise(static_cast<std::uint64_t>(i), kFrameOctets / 2)));
+      recorder.frame(frame_of(i, noise(static_cast<std::uint64_t>(i), kFrameBytes / 2)));
     }
   }
   auto files = recorded_runs(folder.path()).back().files;

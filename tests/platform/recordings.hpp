@@ -1,4 +1,4 @@
-// Recordings of made-up pictures.
+// Recordings of made-up images.
 #pragma once
 
 #include <cstdint>
@@ -23,18 +23,18 @@ inline constexpr const char* kBegin =
 using Pixels = std::vector<std::uint8_t>;
 
 /// Noise does not compress, a ramp does.
-inline Pixels noise(std::uint64_t seed, std::size_t octets) {
+inline Pixels noise(std::uint64_t seed, std::size_t bytes) {
   Rng rng(seed, 1);
-  Pixels pixels(octets);
+  Pixels pixels(bytes);
   for (std::uint8_t& pixel : pixels) {
     pixel = static_cast<std::uint8_t>(rng.below(256));
   }
   return pixels;
 }
 
-inline Pixels ramp(std::size_t octets) {
-  Pixels pixels(octets);
-  for (std::size_t i = 0; i < octets; ++i) {
+inline Pixels ramp(std::size_t bytes) {
+  Pixels pixels(bytes);
+  for (std::size_t i = 0; i < bytes; ++i) {
     pixels[i] = static_cast<std::uint8_t>(i / 7);
   }
   return pixels;
@@ -47,21 +47,21 @@ inline Frame frame_of(std::int64_t timestamp_ns,
           .image = {.data = pixels.data(),
                     .width_px = kWidth,
                     .height_px = kHeight,
-                    .stride_octets = format == PixelFormat::kGray16 ? 2 * kWidth : kWidth,
+                    .stride_bytes = format == PixelFormat::kGray16 ? 2 * kWidth : kWidth,
                     .format = format}};
 }
 
 inline RecorderOptions options(const fs::path& folder) {
   return {.folder = folder,
           .run_utc_ns = 1000,
-          .limits = {.segment_octets_max = 1'000'000, .folder_octets_max = 10'000'000},
+          .limits = {.segment_bytes_max = 1'000'000, .folder_bytes_max = 10'000'000},
           .slots = 4,
           .complete = true};
 }
 
-inline constexpr std::size_t kFrameOctets = 2 * kWidth * kHeight;
+inline constexpr std::size_t kFrameBytes = 2 * kWidth * kHeight;
 
-inline std::vector<Record> read_all(const fs::path& folder, std::uint64_t* octets_lost = nullptr) {
+inline std::vector<Record> read_all(const fs::path& folder, std::uint64_t* bytes_lost = nullptr) {
   const auto runs = recorded_runs(folder);
   RecordingReader reader(runs.back());
   std::vector<Record> records;
@@ -69,8 +69,8 @@ inline std::vector<Record> read_all(const fs::path& folder, std::uint64_t* octet
   while (reader.next(&record)) {
     records.push_back(record);
   }
-  if (octets_lost != nullptr) {
-    *octets_lost = reader.octets_lost();
+  if (bytes_lost != nullptr) {
+    *bytes_lost = reader.bytes_lost();
   }
   return records;
 }

@@ -152,7 +152,7 @@ TEST(Sequence, RefusesFoldersThatAreNone) {
   EXPECT_HOLDS(refusal("."), "not an image sequence: mav0/cam0/data.csv is missing");
 }
 
-TEST(Sequence, TheTablesAreReadWithoutPictures_AndIntrinsicsToBeEstimatedWhereTheyAreAllowed) {
+TEST(Sequence, TheTablesAreReadWithoutImages_AndIntrinsicsToBeEstimatedWhereTheyAreAllowed) {
   const TemporaryFolder folder;
   folder.write("mav0/cam0/data.csv",
                "# by hand, left\n100000000,a b.png\n# dark, 2 ms\n200000000,\xE9.png,more\n");
@@ -171,7 +171,7 @@ TEST(Sequence, TheTablesAreReadWithoutPictures_AndIntrinsicsToBeEstimatedWhereTh
   EXPECT_EQ(tables.sensor.fields.count("resolution"), 0U);
 }
 
-TEST(Sequence, ARowTimeUnderAnotherName_AndAReadoutLongerThanAnInterval_AreTold) {
+TEST(Sequence, ARowTimeUnderAnotherName_AndAReadoutLongerThanAnInterval_AreReported) {
   const SequenceFolder folder;
   struct {
     const char* line;
@@ -212,7 +212,7 @@ TEST(Quote, TextOfJsonNamesOctetsThatAreNotUtf8AsPythonDoes) {
 TEST(Sequence, RefusesImagesOfAnotherSize_AndSequencesWithoutAnyImage) {
   const SequenceFolder folder;
   folder.frame("a.pgm",
-               "");  // a single bad frame is not the sequence's end: the next one tells the size
+               "");  // a single bad frame is not the sequence's end: the next one shows the size
   EXPECT_EQ(folder.refusal(), "");
   folder.frame("b.pgm", image(65, 48));
   EXPECT_HOLDS(folder.refusal(),
@@ -250,7 +250,7 @@ TEST(FileCamera, HandsOverEveryFrame_BadOnesAsNotReadable) {
   EXPECT_FALSE(camera.next(frame));
 }
 
-TEST(FileCamera, PicturesOf8BitsAmong16AreTold_AndSayNothingOfTheOthersDepth) {
+TEST(FileCamera, ImagesOf8BitsAmong16AreReported_AndSayNothingOfTheOthersDepth) {
   const SequenceFolder folder;
   const File rows(std::size_t{kWidth} * kHeight * 2, 9);  // 0x0909: a level of 12 bits
   const File file = encode_png({.width = kWidth, .height = kHeight, .depth = 16}, rows);
@@ -268,7 +268,7 @@ TEST(FileCamera, PicturesOf8BitsAmong16AreTold_AndSayNothingOfTheOthersDepth) {
   EXPECT_HOLDS(camera.mixed_remark(), "differs: b.pgm)");
 }
 
-TEST(FileCamera, APgmOfSeveralPicturesIsNotReadable_ALineEndBehindItIs) {
+TEST(FileCamera, APgmOfSeveralImagesIsNotReadable_ALineEndBehindItIs) {
   const SequenceFolder folder;
   folder.frame("b.pgm", image() + image());
   folder.frame("c.pgm", image() + "\n");
@@ -284,10 +284,10 @@ TEST(FileCamera, APgmOfSeveralPicturesIsNotReadable_ALineEndBehindItIs) {
 
 TEST(FileCamera, AFileThatNoFrameCanNeedIsNotRead) {
   const SequenceFolder folder;
-  const std::size_t most = frame_octets_max({.width_px = kWidth, .height_px = kHeight});
+  const std::size_t most = frame_bytes_max({.width_px = kWidth, .height_px = kHeight});
   folder.frame("b.pgm", image() + std::string(most, '\0'));
   const Sequence sequence = open_sequence(folder.path());
-  EXPECT_EQ(sequence.file_octets_max, image().size());
+  EXPECT_EQ(sequence.file_bytes_max, image().size());
   FileCamera camera(sequence);
   Frame frame;
   ASSERT_TRUE(camera.next(frame));
@@ -299,7 +299,7 @@ TEST(FileCamera, AFileThatNoFrameCanNeedIsNotRead) {
   EXPECT_TRUE(frame.readable);
 }
 
-TEST(FileCamera, APictureInSeveralScansIsReadOnlyWhereTheFirstIsOne) {
+TEST(FileCamera, AnImageInSeveralScansIsReadOnlyWhereTheFirstIsOne) {
   const SequenceFolder folder;
   const File file =
       encode_jpeg(kWidth, kHeight, File(std::size_t{kWidth} * kHeight, 90), TJFLAG_PROGRESSIVE);

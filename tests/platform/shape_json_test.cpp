@@ -90,7 +90,7 @@ TEST(ShapeJson, IsInTheBodysOwnFrame) {
   EXPECT_EQ(plane["centre_T"], nlohmann::json({0.5, 0.0, 0.0}));
 }
 
-TEST(ShapeJson, WithoutAShape_SaysWhy) {
+TEST(ShapeJson, WithoutAShape_ReportsWhy) {
   const nlohmann::json json = written({.reason = "the target was never acquired"});
   EXPECT_EQ(json["unit"], "map unit");
   EXPECT_TRUE(json["shape"].is_null());

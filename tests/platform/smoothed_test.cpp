@@ -202,12 +202,12 @@ std::vector<MotionState> run_of(std::initializer_list<int> poses_in_each_T, Mode
   return published;
 }
 
-TEST(IsBorneOut, NotAMapThatWasLostBeforeSixPoses) {
-  EXPECT_FALSE(is_borne_out(run_of({5}, Mode::kLost)));
-  EXPECT_TRUE(is_borne_out(run_of({6}, Mode::kLost)));
-  EXPECT_FALSE(is_borne_out(run_of({40, 5}, Mode::kLost))) << "of the last T";
-  EXPECT_TRUE(is_borne_out(run_of({1}, Mode::kTracking))) << "it is held to the end";
-  EXPECT_TRUE(is_borne_out({})) << "there is nothing to doubt";
+TEST(IsConfirmed, NotAMapThatWasLostBeforeSixPoses) {
+  EXPECT_FALSE(is_confirmed(run_of({5}, Mode::kLost)));
+  EXPECT_TRUE(is_confirmed(run_of({6}, Mode::kLost)));
+  EXPECT_FALSE(is_confirmed(run_of({40, 5}, Mode::kLost))) << "of the last T";
+  EXPECT_TRUE(is_confirmed(run_of({1}, Mode::kTracking))) << "it is held to the end";
+  EXPECT_TRUE(is_confirmed({})) << "there is nothing to doubt";
 }
 
 }  // namespace

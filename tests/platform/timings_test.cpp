@@ -32,7 +32,7 @@ TEST(Timings, EveryStageOfAStepIsOneSample) {
   EXPECT_EQ(timings.stages[static_cast<std::size_t>(Stage::kMask)].samples_us.size(), 0U);
 }
 
-TEST(Timings, AStageThatAStepComesBackToIsOneSample_OfAllThatItSpentOnIt) {
+TEST(Timings, AStageThatAStepReturnsToIsOneSample_OfAllThatItSpentOnIt) {
   Timings timings(1);
   timings.start_step();
   for (int visit = 0; visit < 2; ++visit) {

@@ -43,7 +43,7 @@ TEST(FuseScales, OfTwoThatContradictIsUnknown_NotTheirMean) {
   EXPECT_TRUE(fused.contradiction);
 }
 
-TEST(FuseScales, OfThreeOfWhichTwoAgreeIsTheirs_AndTheThirdIsTold) {
+TEST(FuseScales, OfThreeOfWhichTwoAgreeIsTheirs_AndTheThirdIsReported) {
   const FusedScale fused = fuse_scales(readings_of({{ScaleSource::kKnownLength, 1.0, 0.01},
                                                     {ScaleSource::kRange, 1.3, 0.001},
                                                     {ScaleSource::kDiameter, 1.01, 0.01}}));
@@ -115,7 +115,7 @@ TEST(ScaleOfShape, FromAnEdgeTakesTheLongest_OrTheOneThatFitsAnotherReading) {
   EXPECT_NEAR(matched.value().metres_per_mu, 2.0, 3.0 * matched.value().sigma);
 }
 
-TEST(ScaleOfShape, FromAnEdgeSaysNothing_WhereTheLongestMayHaveEndsThatWereNotFound) {
+TEST(ScaleOfShape, FromAnEdgeGivesNothing_WhereTheLongestMayHaveEndsThatWereNotFound) {
   Shape shape = shape_of(box_points({1.0, 0.8, 0.6}, kAllSides, 1800, 0.004, 2));
   Eigen::Index longest = 0;
   (void)shape.dimensions.maxCoeff(&longest);

@@ -76,7 +76,7 @@ TEST_F(ScaleReadingsOfAWall, WhatIsNoLongerNamedIsReplaced) {
   EXPECT_EQ(scale_.readings.size(), 1U);
 }
 
-TEST_F(ScaleReadingsOfAWall, AShapeWithoutTheNamedPartTellsNothing) {
+TEST_F(ScaleReadingsOfAWall, AShapeWithoutTheNamedPartGivesNothing) {
   options_.known_diameter_m = 1.0;
   options_.known_edge_m = 2.0;
   EXPECT_FALSE(read_scale_of(Shape{}, options_, &scale_).read);

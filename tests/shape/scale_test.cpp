@@ -33,7 +33,7 @@ Scene box_scene(double sigma, std::uint64_t seed) {
   return scene;
 }
 
-// Both on the near side z = -0.3, which faces the camera.
+// Both on the near face z = -0.3, which faces the camera.
 const Eigen::Vector3d kEndA(-0.4, -0.3, -0.3);
 const Eigen::Vector3d kEndB(0.35, 0.25, -0.3);
 

@@ -151,7 +151,7 @@ TEST(Shape, KeepsItsAxesWhenItIsEstimatedAgain) {
       estimate_shape(box_points({1.0, 1.0, 1.0}, kAllSides, 1500, 0.004, 0), {}, 1, nullptr, *work)
           .value();
   for (std::uint64_t seed = 1; seed < 20; ++seed) {
-    // A cube, of which other sides are seen each time: nothing but continuity tells its axes apart.
+    // A cube, of which other sides are seen each time: only continuity distinguishes its axes.
     const std::array<bool, 6> sides{seed % 2 == 0, true, true, seed % 3 == 0, seed % 5 != 0, true};
     const Shape next =
         estimate_shape(

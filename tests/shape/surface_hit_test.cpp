@@ -11,7 +11,7 @@
 namespace polhode::surface_hit_test {
 namespace {
 
-/// Landmarks at picture offsets from a ray, at the given depths, in a camera whose axes are T's.
+/// Landmarks at image offsets from a ray, at the given depths, in a camera whose axes are T's.
 Points landmarks_around(const Eigen::Vector2d& ray,
                         std::span<const Eigen::Vector3d> offsets_and_depths) {
   Points landmarks_T;

@@ -207,7 +207,7 @@ TEST(Cylinder, IsFoundFromAThirdOfItsRound) {
 }
 
 TEST(Cylinder, IsFoundInALoudCloudWithABodyAround) {
-  // As an upper stage comes out of a small picture: noise of 6 % of the radius, more outwards,
+  // As an upper stage comes out of a small image: noise of 6 % of the radius, more outwards,
   // stray points inside, and another body at one end.
   const Placement at;
   for (std::uint64_t seed = 0; seed < 5; ++seed) {

@@ -70,7 +70,7 @@ TEST(FrameFromPlanes, TakesAnObliquePlaneWhereNoneIsOrthogonal) {
   const TargetFrame frame = frame_from_planes(planes_of({plane(kX, 100), plane(oblique, 50)}));
   EXPECT_LT((frame.R_TB.col(1) - kY).norm(), 1e-9);  // its part across x
   EXPECT_TRUE(frame.axes_known[1]);
-  // Within 30 deg of x it says little: as if it were not there.
+  // Within 30 deg of x it indicates little: as if it were not there.
   const Eigen::Vector3d near = so3_exp({0.0, 0.0, 0.4}) * kX;
   EXPECT_FALSE(frame_from_planes(planes_of({plane(kX, 100), plane(near, 50)})).axes_known[1]);
 }
@@ -144,7 +144,7 @@ TEST(RelabelLike, FindsTheNamesOfBefore_WhicheverOfTheTwentyFourItIs) {
   const TargetFrame previous{.R_TB = so3_exp({0.3, -0.5, 0.8}),
                              .source = FrameSource::kPlanes,
                              .axes_known = {true, false, false}};
-  // The same axes a little later, named anew: x is now -z, y is x, z is -y.
+  // The same axes a little later, named again: x is now -z, y is x, z is -y.
   const Eigen::Matrix3d later = so3_exp({0.02, 0.01, -0.03}) * previous.R_TB;
   TargetFrame frame = previous;
   frame.R_TB.col(0) = -later.col(2);

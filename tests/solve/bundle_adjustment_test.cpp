@@ -128,7 +128,7 @@ TEST(AdjustBundle, GoesFromAFarStart_WhereItGoesFromANearOne) {
 }
 
 TEST(AdjustBundle, StopsAtItsLimitOfIterations_WithWhatItKept) {
-  // A hundred sigma have nearly their full weight, and sums of losses still tell a 1e-10.
+  // A hundred sigma have nearly their full weight, and sums of losses still resolve 1e-10.
   constexpr double kNearlyWide = 1e3;
   const Scene start = disturbed(make_scene(6, 60, 1.0, 3), 3, 18.0);
   // With full weights and from so far some trials go uphill: what is reported and left is never a
@@ -285,7 +285,7 @@ TEST(AdjustBundle, GivesTheSameBytes_EachTimeAndAtAnyAddress) {
   Scene expected = start;
   const BundleReport report = adjust_bundle(expected.problem(), {});
   ASSERT_TRUE(report.usable);
-  // A point has 24 octets: every second shift puts the points off the 16 that packets want.
+  // A point has 24 bytes: every second shift puts the points off the 16 that packets want.
   for (std::size_t shift = 0; shift < 5; ++shift) {
     Scene s = start;
     s.observations.reserve(s.observations.size() + 1000 * shift);

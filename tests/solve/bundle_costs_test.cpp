@@ -249,9 +249,9 @@ TEST(PosePriorCost, SquareIsTheDepartureInSigma) {
   for (const Trial& trial : trials()) {
     p.evaluate(trial);
     const InverseDepthPose& pose = p.chart.pose().pose;
-    Vector6 departure;
-    departure << so3_log(pose.R_CT * p.prior.mean.R_CT.transpose()), pose.uvs - p.prior.mean.uvs;
-    const double expected = departure.dot(p.prior.information * departure);
+    Vector6 deviation;
+    deviation << so3_log(pose.R_CT * p.prior.mean.R_CT.transpose()), pose.uvs - p.prior.mean.uvs;
+    const double expected = deviation.dot(p.prior.information * deviation);
     // Rounding of an eigenvalue's root.
     EXPECT_NEAR(p.residual.squaredNorm(), expected, 1e-12 * (1.0 + expected));
     EXPECT_GT(expected, 0.01);

@@ -217,7 +217,7 @@ TEST(BundlePart, PutsItsPointsBack_AndTheOthersWhereTheirImagesWantThem) {
   EXPECT_EQ(next, part.problem().points_T.size());
 }
 
-/// Square of the distance of two poses in sigma, as the images of the chosen points tell them.
+/// Square of the distance of two poses in sigma, as the images of the chosen points show them.
 double distance2(const Scene& truth,
                  const Chosen& chosen,
                  std::size_t k,
@@ -239,7 +239,7 @@ double distance2(const Scene& truth,
 TEST(AdjustBundle, EndsNearTheWhole_WhereOnlyAPartIsAdjusted) {
   for (std::uint64_t seed = 60; seed < 65; ++seed) {
     Scene truth = make_scene(10, 100, 1.0, seed);
-    truth.pose_fixed = {1, 0, 0, 0, 0, 0, 0, 0, 0, 1};  // far apart: they tell the scale
+    truth.pose_fixed = {1, 0, 0, 0, 0, 0, 0, 0, 0, 1};  // far apart: they show the scale
     truth.point_fixed[2] = 1;                           // among those that are in,
     truth.point_fixed[97] = 1;                          // and those that are left out
     Scene whole = disturbed(truth, seed, 0.3);

@@ -75,7 +75,7 @@ TEST(AdjustCameraRight, OfAFarBodyTheSigmaIsWide) {
   }
 }
 
-TEST(AdjustCameraRight, WithoutMotionRowsTellNothing) {
+TEST(AdjustCameraRight, WithoutMotionRowsGiveNothing) {
   CameraScene s = camera_scene(Deviations::Zero(), 6);
   std::fill(s.motions.begin(), s.motions.end(), PoseMotion{});
   const CameraFinding found = find_deviations(adjust_camera(s.problem(), kOptions));

@@ -7,7 +7,7 @@
 namespace polhode::camera_verdict_test {
 namespace {
 
-/// A fit whose deviations have independent errors; the cost falls as its quadratic form says.
+/// A fit whose deviations have independent errors; the cost falls as its quadratic form indicates.
 CameraFit fit_of(const Deviations& value, const Deviations& sigma) {
   const Deviations weight = sigma.cwiseAbs2().cwiseInverse();
   return {.usable = true,
@@ -76,7 +76,7 @@ TEST(CameraVerdict, OneDeviationDoesNotContradictWhatIsAlike) {
   EXPECT_NEAR(found.of(Deviation::kZoom), 0.0, 1e-3) << "beside the focal length";
 }
 
-TEST(CameraVerdict, SeveralAreToldTogether) {
+TEST(CameraVerdict, SeveralAreReportedTogether) {
   Deviations value = Deviations::Zero();
   value[2] = 0.05;
   value[5] = 0.041;
@@ -85,7 +85,7 @@ TEST(CameraVerdict, SeveralAreToldTogether) {
   EXPECT_TRUE(found.is(Deviation::kReadout));
 }
 
-TEST(CameraVerdict, OfNoNumbersNothingIsTold) {
+TEST(CameraVerdict, OfNoNumbersNothingIsReported) {
   CameraFit fit = fit_of(Deviation::kAspect, 0.1, 0.001);
   fit.information.setConstant(std::nan(""));
   EXPECT_FALSE(find_deviations(fit).any());
@@ -125,23 +125,23 @@ TEST(CameraVerdict, ALaterContradictionIsHeldAlone) {
   EXPECT_FALSE(joined(zoom, sure).is(Deviation::kZoom)) << "they may be one";
 }
 
-TEST(CameraVerdict, IsSoundAsItIsFound_AndNotDamaged) {
+TEST(CameraVerdict, IsValidAsItIsFound_AndNotDamaged) {
   const CameraFinding found = find_deviations(fit_of(Deviation::kPrincipalU, 0.05, 0.01));
   ASSERT_TRUE(found.any());
-  EXPECT_TRUE(is_sound(found));
-  EXPECT_TRUE(is_sound(CameraFinding{}));
-  const auto is_sound_after = [&](const auto& damage) {
+  EXPECT_TRUE(is_valid(found));
+  EXPECT_TRUE(is_valid(CameraFinding{}));
+  const auto is_valid_after = [&](const auto& damage) {
     CameraFinding damaged = found;
     damage(&damaged);
-    return is_sound(damaged);
+    return is_valid(damaged);
   };
-  EXPECT_FALSE(is_sound_after([](CameraFinding* f) { f->value[2] = 1e200; }));
-  EXPECT_FALSE(is_sound_after([](CameraFinding* f) { f->value[0] = -1000.0; })) << "no factor";
-  EXPECT_FALSE(is_sound_after([](CameraFinding* f) { f->value[6] = std::nan(""); }));
-  EXPECT_FALSE(is_sound_after([](CameraFinding* f) { f->sigma[0] = -1.0; }));
-  EXPECT_FALSE(is_sound_after([](CameraFinding* f) { f->contradicted[4] = 0; })) << "half a point";
-  EXPECT_FALSE(is_sound_after([](CameraFinding* f) { f->contradicted[0] = 2; }));
-  EXPECT_FALSE(is_sound_after([](CameraFinding* f) { f->rates.turn_rad_s = 1e99; }));
+  EXPECT_FALSE(is_valid_after([](CameraFinding* f) { f->value[2] = 1e200; }));
+  EXPECT_FALSE(is_valid_after([](CameraFinding* f) { f->value[0] = -1000.0; })) << "no factor";
+  EXPECT_FALSE(is_valid_after([](CameraFinding* f) { f->value[6] = std::nan(""); }));
+  EXPECT_FALSE(is_valid_after([](CameraFinding* f) { f->sigma[0] = -1.0; }));
+  EXPECT_FALSE(is_valid_after([](CameraFinding* f) { f->contradicted[4] = 0; })) << "half a point";
+  EXPECT_FALSE(is_valid_after([](CameraFinding* f) { f->contradicted[0] = 2; }));
+  EXPECT_FALSE(is_valid_after([](CameraFinding* f) { f->rates.turn_rad_s = 1e99; }));
 }
 
 CameraError error_of(Deviation deviation, double value) {

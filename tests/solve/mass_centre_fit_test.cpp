@@ -117,7 +117,7 @@ double sigma_of(const TranslationSolution& path, Eigen::Index unknown) {
   return std::sqrt(covariance(unknown, unknown));
 }
 
-TEST(TranslationFit, KnowsNothingOfTheOffsetOfABodyThatDoesNotRotate) {
+TEST(TranslationFit, IsEmptyOfTheOffsetOfABodyThatDoesNotRotate) {
   const std::vector<PositionSample> still = samples(40, kRest, 0.0);
   const auto path = solve_translation(problem_of(still, 0.5));
   ASSERT_TRUE(path.ok());

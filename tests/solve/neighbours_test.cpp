@@ -12,33 +12,33 @@
 namespace polhode::neighbours_test {
 namespace {
 
-using Octets = std::vector<std::uint8_t>;
-constexpr auto kRow = static_cast<std::size_t>(kDescriptorOctets);
+using Bytes = std::vector<std::uint8_t>;
+constexpr auto kRow = static_cast<std::size_t>(kDescriptorBytes);
 
-Octets random_rows(std::size_t rows, Rng* rng) {
-  Octets octets(rows * kRow);
-  for (std::uint8_t& o : octets) {
+Bytes random_rows(std::size_t rows, Rng* rng) {
+  Bytes bytes(rows * kRow);
+  for (std::uint8_t& o : bytes) {
     o = static_cast<std::uint8_t>(rng->below(120));
   }
-  return octets;
+  return bytes;
 }
 
 /// Rows of `reference`, each a little changed: as another view of the same spot.
-Octets views_of(const Octets& reference,
-                const std::vector<std::size_t>& rows,
-                double sigma,
-                Rng* rng) {
-  Octets octets;
+Bytes views_of(const Bytes& reference,
+               const std::vector<std::size_t>& rows,
+               double sigma,
+               Rng* rng) {
+  Bytes bytes;
   for (const std::size_t row : rows) {
     for (std::size_t i = 0; i < kRow; ++i) {
-      octets.push_back(static_cast<std::uint8_t>(
+      bytes.push_back(static_cast<std::uint8_t>(
           std::clamp(reference[row * kRow + i] + sigma * rng->normal(), 0.0, 255.0)));
     }
   }
-  return octets;
+  return bytes;
 }
 
-double distance2(const Octets& a, std::size_t row_a, const Octets& b, std::size_t row_b) {
+double distance2(const Bytes& a, std::size_t row_a, const Bytes& b, std::size_t row_b) {
   double sum = 0.0;
   for (std::size_t i = 0; i < kRow; ++i) {
     sum += std::pow(
@@ -47,7 +47,7 @@ double distance2(const Octets& a, std::size_t row_a, const Octets& b, std::size_
   return sum;
 }
 
-std::vector<Neighbours> search(const Octets& reference, const Octets& queries) {
+std::vector<Neighbours> search(const Bytes& reference, const Bytes& queries) {
   std::vector<Neighbours> found(queries.size() / kRow);
   nearest_descriptors(reference, queries, found);
   return found;
@@ -55,12 +55,12 @@ std::vector<Neighbours> search(const Octets& reference, const Octets& queries) {
 
 TEST(NearestDescriptors, FindsTheSpot_OfWhichAQueryIsAnotherView) {
   Rng rng(71, 0);
-  const Octets reference = random_rows(2000, &rng);
+  const Bytes reference = random_rows(2000, &rng);
   std::vector<std::size_t> rows;
   for (int i = 0; i < 300; ++i) {
     rows.push_back(rng.below(2000));
   }
-  const Octets queries = views_of(reference, rows, 10.0, &rng);
+  const Bytes queries = views_of(reference, rows, 10.0, &rng);
   const std::vector<Neighbours> found = search(reference, queries);
   int right = 0;
   for (std::size_t q = 0; q < rows.size(); ++q) {
@@ -80,15 +80,15 @@ TEST(NearestDescriptors, FindsTheSpot_OfWhichAQueryIsAnotherView) {
 
 TEST(NearestDescriptors, ReportsTrueDistances_NearestFirst) {
   Rng rng(72, 0);
-  const Octets reference = random_rows(500, &rng);
-  const Octets queries = random_rows(50, &rng);
+  const Bytes reference = random_rows(500, &rng);
+  const Bytes queries = random_rows(50, &rng);
   const std::vector<Neighbours> found = search(reference, queries);
   for (std::size_t q = 0; q < found.size(); ++q) {
     ASSERT_GE(found[q].nearest, 0);
     ASSERT_GE(found[q].second, 0);
     EXPECT_NE(found[q].nearest, found[q].second);
     EXPECT_LE(found[q].distance2_nearest, found[q].distance2_second);
-    // Sums of squares of octets are whole numbers under 2^24: exact in single precision.
+    // Sums of squares of bytes are whole numbers under 2^24: exact in single precision.
     EXPECT_EQ(found[q].distance2_nearest,
               distance2(queries, q, reference, static_cast<std::size_t>(found[q].nearest)));
     EXPECT_EQ(found[q].distance2_second,
@@ -98,8 +98,8 @@ TEST(NearestDescriptors, ReportsTrueDistances_NearestFirst) {
 
 TEST(NearestDescriptors, IsExact_WhenThereAreFewReferences) {
   Rng rng(73, 0);
-  const Octets reference = random_rows(30, &rng);
-  const Octets queries = random_rows(40, &rng);
+  const Bytes reference = random_rows(30, &rng);
+  const Bytes queries = random_rows(40, &rng);
   const std::vector<Neighbours> found = search(reference, queries);
   for (std::size_t q = 0; q < found.size(); ++q) {
     double nearest = std::numeric_limits<double>::max();
@@ -112,8 +112,8 @@ TEST(NearestDescriptors, IsExact_WhenThereAreFewReferences) {
 
 TEST(NearestDescriptors, GivesTheSameAnswer_AfterOtherSearches) {
   Rng rng(74, 0);
-  const Octets reference = random_rows(1500, &rng);
-  const Octets queries = random_rows(100, &rng);
+  const Bytes reference = random_rows(1500, &rng);
+  const Bytes queries = random_rows(100, &rng);
   const std::vector<Neighbours> first = search(reference, queries);
   (void)search(random_rows(777, &rng), random_rows(33, &rng));
   const std::vector<Neighbours> second = search(reference, queries);
@@ -126,7 +126,7 @@ TEST(NearestDescriptors, GivesTheSameAnswer_AfterOtherSearches) {
 
 TEST(NearestDescriptors, HasNoSecond_WhenThereIsOneReference) {
   Rng rng(75, 0);
-  const Octets reference = random_rows(1, &rng);
+  const Bytes reference = random_rows(1, &rng);
   const std::vector<Neighbours> found = search(reference, reference);
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].nearest, 0);
@@ -136,7 +136,7 @@ TEST(NearestDescriptors, HasNoSecond_WhenThereIsOneReference) {
 
 TEST(NearestDescriptors, FindsNothing_AmongNoReferences_AndForNoQueries) {
   Rng rng(76, 0);
-  const Octets rows = random_rows(3, &rng);
+  const Bytes rows = random_rows(3, &rng);
   const std::vector<Neighbours> found = search({}, rows);
   for (const Neighbours& n : found) {
     EXPECT_EQ(n.nearest, -1);

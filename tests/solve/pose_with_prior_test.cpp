@@ -208,7 +208,7 @@ TEST(PoseWithPrior, SaysWhatTheObservationsKnow_AndATenthOfThePrior) {
 TEST(PoseWithPrior, PublishesAFiniteCovariance_WhereTheObservationsLeaveMuchOpen) {
   Scene s = make_scene(4, 8, 0.0, 0.0);
   for (PoseObservation& o : s.observations) {
-    o = s.observations[0];  // one point says nothing of most of a pose
+    o = s.observations[0];  // one point indicates nothing of most of a pose
   }
   const auto found = s.solve();
   ASSERT_TRUE(found.ok());

@@ -136,7 +136,7 @@ TEST(DampedInverse, IsZeroOfZero_AndFiniteWhereADirectionIsOpen) {
     const Eigen::Matrix3d V = R * flat * R.transpose();
     const Eigen::Matrix3d inverse = damped_inverse(V, 1e-6);
     EXPECT_TRUE(inverse.allFinite());
-    // In the two directions that are told, the inverse to the damping, twice its largest part.
+    // In the two determined directions, the inverse to the damping, twice its largest part.
     EXPECT_LT((V * inverse * V - V).norm(), 1e-5);
   }
 }
@@ -170,8 +170,8 @@ TEST(SettlePoints, BringsDisturbedPointsBack_ToWhereExactImagesPutThem) {
     EXPECT_GT(s.cost(), 1.0);
     EXPECT_LT(s.settle(), 1e-13);  // the resolution of the sums of logarithms, below
     for (std::size_t i = 0; i < truth.points_T.size(); ++i) {
-      // 1 + e / 4 tells no square below 1e-15: residuals of 3e-8 sigma, and a sigma is 0.01 radii
-      // across the line of sight; along it thrice that for views of 0.3 rad to either side.
+      // 1 + e / 4 resolves no square below 1e-15: residuals of 3e-8 sigma, and a sigma is 0.01
+      // radii across the line of sight; along it thrice that for views of 0.3 rad to either side.
       EXPECT_LT((s.points_T[i] - truth.points_T[i]).norm(), 2e-9) << seed << ' ' << i;
     }
   }

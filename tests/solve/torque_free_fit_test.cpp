@@ -86,7 +86,7 @@ TEST(RotationFit, TakesItsReferenceFromAnySample) {
   EXPECT_LT((in_the_middle.value().shape - at_the_start.value().shape).norm(), 1e-2);
 }
 
-TEST(RotationFit, KeepsThePriorWhereTheRotationTellsNothing) {
+TEST(RotationFit, KeepsThePriorWhereTheRotationGivesNothing) {
   // A body at rest: the prior of the shape is all that is known of it.
   TumblingAttitudes body = tumbling_attitudes(20, kSigma_rad, 0.0, 6);
   for (AttitudeSample& sample : body.samples) sample.R_IT.setIdentity();

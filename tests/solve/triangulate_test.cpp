@@ -76,7 +76,7 @@ TEST(Triangulate, RefusesOneViewAndPointsBehind) {
   EXPECT_EQ(triangulate(diverging).error().code, ErrorCode::kDegenerate);
 }
 
-// Off until triangulate() judges the rays by eigenvalues: FullPivLU::rcond() answers 1.7, not 0,
+// Off until triangulate() decides the rays by eigenvalues: FullPivLU::rcond() answers 1.7, not 0,
 // for a matrix whose last pivot is rounding, so parallel rays pass its check and a point is made
 // up.
 TEST(Triangulate, RefusesParallelRays) {

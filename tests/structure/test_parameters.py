@@ -11,7 +11,7 @@ from source_tree import REPOSITORY
 PROGRAM = pathlib.Path(os.environ.get("POLHODE_PROGRAM", REPOSITORY / "build/release/bin/polhode"))
 SECTIONS = {
     "ImageOptions": "image", "MaskOptions": "mask", "FeatureOptions": "features", "TrackOptions": "tracks",
-    "StartOptions": "start", "LocaliseOptions": "localise", "MapOptions": "map", "ShapeOptions": "shape",
+    "InitialOptions": "start", "LocaliseOptions": "localise", "MapOptions": "map", "ShapeOptions": "shape",
     "ScaleOptions": "scale", "MotionOptions": "motion", "BusOptions": "bus", "CameraParameters": "camera",
     "JobOptions": "jobs", "BudgetOptions": "budget",
 }

@@ -1,4 +1,4 @@
-// Two pictures of a body whose motion is known: an affine one of all, and what its depth adds.
+// Two images of a body whose motion is known: an affine one of all, and what its depth adds.
 #include "tracks/associate.hpp"
 
 #include <gtest/gtest.h>
@@ -20,13 +20,13 @@ constexpr int kSpots = 200;
 Descriptor look_of(int spot) {
   Rng rng(43, static_cast<std::uint64_t>(spot));
   Descriptor d;
-  for (std::uint8_t& octet : d) {
-    octet = static_cast<std::uint8_t>(rng.below(2) * 64);
+  for (std::uint8_t& byte : d) {
+    byte = static_cast<std::uint8_t>(rng.below(2) * 64);
   }
   return d;
 }
 
-/// The same look from elsewhere: a hundred octets that are off by `step`.
+/// The same look from elsewhere: a hundred bytes that are off by `step`.
 Descriptor changed(Descriptor look, int step) {
   for (std::size_t i = 0; i < 100; ++i) {
     look[i] = static_cast<std::uint8_t>(look[i] + step);
@@ -75,7 +75,7 @@ struct TwoFrames {
       b.push_back(feature_at(moved(at, body) + noise_px * noise, changed(look_of(i), 5)));
     }
   }
-  /// Spots i and j look alike: by their looks alone neither can be told.
+  /// Spots i and j look alike: their looks alone do not distinguish them.
   void make_alike(int i, int j) {
     a[static_cast<std::size_t>(j)].descriptor = a[static_cast<std::size_t>(i)].descriptor;
     b[static_cast<std::size_t>(j)].descriptor = b[static_cast<std::size_t>(i)].descriptor;
@@ -98,7 +98,7 @@ FeatureMatches associated(const TwoFrames& f) {
   return matches;
 }
 
-/// The feature of `b` that is tied to feature `a`, or -1.
+/// The feature of `b` that is associated to feature `a`, or -1.
 int partner_of(int a, const FeatureMatches& matches) {
   const auto* const at =
       std::find_if(matches.begin(), matches.end(), [a](const FeatureMatch& m) { return m.a == a; });
@@ -123,8 +123,8 @@ TEST(Associate, KeepsTheMatchesOfABodyThatTurns) {
   }
 }
 
-TEST(Associate, GivesTheSame_WhereverTheBodyIsInThePicture) {
-  // A bulge and noise such that some matches at the rim are doubtful.
+TEST(Associate, GivesTheSame_WhereverTheBodyIsInTheImage) {
+  // A bulge and noise such that some matches at the rim are suspect.
   const Body here{.bulge_px = 5.0};
   const FeatureMatches expected = associated(TwoFrames(kSpots, 0.3, here));
   EXPECT_GT(expected.size(), 9U * kSpots / 10U);
@@ -203,7 +203,7 @@ TEST(Associate, FindsAFeatureThatHasChanged_UnlessItHasChangedTooMuch) {
   EXPECT_EQ(partner_of(140, matches), -1);
 }
 
-TEST(Associate, DoesNotMatchTwinsBesideEachOther) {
+TEST(Associate, DoesNotMatchAlikeFeaturesBesideEachOther) {
   TwoFrames f;
   const Feature alone = f.b[50];
   f.shift_in_b(50, -0.6F, 0.0F);
@@ -249,7 +249,7 @@ TEST(Associate, LeavesMatchesAsTheyAre_WhereNeighboursHaveNoMotionInCommon) {
     f.shift_in_b(
         i, 150.0F * static_cast<float>(rng.normal()), 150.0F * static_cast<float>(rng.normal()));
   }
-  f.make_alike(20, 140);  // not looked for either: no neighbour says where
+  f.make_alike(20, 140);  // not looked for either: no neighbour indicates where
   const FeatureMatches mutual = by_looks(f);
   const FeatureMatches kept = associated(f);
   ASSERT_EQ(kept.size(), static_cast<std::size_t>(kSpots) - 2U);

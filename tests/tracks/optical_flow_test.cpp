@@ -83,7 +83,7 @@ void expect_followed(double shift_u_px, double shift_v_px, double guess_error_px
   }
 }
 
-TEST(FollowPoints, StaysInPlace_WhenThePictureDoes) { expect_followed(0.0, 0.0, 0.0); }
+TEST(FollowPoints, StaysInPlace_WhenTheImageDoes) { expect_followed(0.0, 0.0, 0.0); }
 
 // verifies: TRK-01
 TEST(FollowPoints, FindsAShiftOfAPartOfAPixel) { expect_followed(0.37, -0.61, 0.0); }
@@ -121,7 +121,7 @@ TEST(FollowPoints, SurvivesAChangeOfBrightnessOfSomePercent) {
   EXPECT_GE(followed, static_cast<int>(9 * from.size() / 10));
 }
 
-TEST(FollowPoints, LosesMostPoints_WhenThePicturesHaveNothingInCommon) {
+TEST(FollowPoints, LosesMostPoints_WhenTheImagesHaveNothingInCommon) {
   const std::vector<FlowPoint> from = grid_of_points();
   std::vector<FlowPoint> to = from;
   follow_points(pyramid_of(texture(1, 0.0, 0.0)), pyramid_of(texture(2, 0.0, 0.0)), from, {}, to);
@@ -130,7 +130,7 @@ TEST(FollowPoints, LosesMostPoints_WhenThePicturesHaveNothingInCommon) {
   EXPECT_LE(followed, static_cast<std::ptrdiff_t>(from.size() / 5));
 }
 
-TEST(FollowPoints, LosesEveryPoint_OnUniformPictures) {
+TEST(FollowPoints, LosesEveryPoint_OnUniformImages) {
   cv::Mat gray(kHeight, kWidth, CV_8UC1);
   gray.setTo(90);
   const std::vector<FlowPoint> from = grid_of_points();
@@ -141,7 +141,7 @@ TEST(FollowPoints, LosesEveryPoint_OnUniformPictures) {
   }
 }
 
-TEST(FollowPoints, LosesPointsThatLeaveThePicture) {
+TEST(FollowPoints, LosesPointsThatLeaveTheImage) {
   const std::vector<FlowPoint> from{{.u_px = 160.0F, .v_px = 120.0F}};
   std::vector<FlowPoint> to{{.u_px = 500.0F, .v_px = 120.0F}};
   follow_points(pyramid_of(texture(1, 0.0, 0.0)), pyramid_of(texture(1, 340.0, 0.0)), from, {}, to);

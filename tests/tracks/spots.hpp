@@ -1,4 +1,4 @@
-// Spots with looks of their own, and a table of the tracks over their pictures.
+// Spots with looks of their own, and a table of the tracks over their images.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -13,13 +13,12 @@
 
 namespace polhode {
 
-/// The look of spot `spot`: distinct octets that any other spot's are far from.
+/// The look of spot `spot`: distinct bytes that any other spot's are far from.
 inline Descriptor look_of(int spot) {
   Rng rng(41, static_cast<std::uint64_t>(spot));
   Descriptor d;
-  for (std::uint8_t& octet : d) {
-    octet =
-        static_cast<std::uint8_t>(rng.below(2) * 90);  // norm near 720, two spots near 720 apart
+  for (std::uint8_t& byte : d) {
+    byte = static_cast<std::uint8_t>(rng.below(2) * 90);  // norm near 720, two spots near 720 apart
   }
   return d;
 }
@@ -33,7 +32,7 @@ struct TrackedSpots {
   static constexpr int kMoving = 60;
 
   /// A frame in which these spots are seen, in this order. @param change  of each look's first
-  /// octet.
+  /// byte.
   void add(const std::vector<int>& spots, int change = 0) {
     features->clear();
     for (const int spot : spots) {

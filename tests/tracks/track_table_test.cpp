@@ -90,7 +90,7 @@ TEST(TrackTable, ForgetsTheOldestFrame_AndTheTracksOfItAlone) {
   EXPECT_EQ(f.observations().size(), 5U);
 }
 
-TEST(TrackTable, ForgetsWhatLeadsNowhere_WhenThePictureHasChanged) {
+TEST(TrackTable, ForgetsWhatLeadsNowhere_WhenTheImageHasChanged) {
   TrackedSpots f;
   for (int i = 0; i < 6; ++i) {
     f.add(range(0, 20));  // one thing
@@ -122,11 +122,11 @@ TEST(TrackTable, KeepsWhatLeadsOn_OverTwoStrangeFrames) {
 
 TEST(TrackTable, KeepsTheLastFrames_WhenMoreComeThanItHolds) {
   TrackedSpots f;
-  constexpr int kFrames = static_cast<int>(limits::kStartFrames) + 7;
+  constexpr int kFrames = static_cast<int>(limits::kInitialFrames) + 7;
   for (int i = 0; i < kFrames; ++i) {
     f.add(range(i, i + 20));  // each spot is seen in 20 frames
   }
-  EXPECT_EQ(f.table->frames.size(), limits::kStartFrames);
+  EXPECT_EQ(f.table->frames.size(), limits::kInitialFrames);
   EXPECT_EQ(f.table->frames[0].frame, 107U);
   EXPECT_EQ(f.table->frames.back().frame, static_cast<std::uint32_t>(100 + kFrames - 1));
   f.expect_consistent();
@@ -157,7 +157,7 @@ TEST(TrackTable, StaysConsistent_UnderRandomObservations) {
 
 TEST(TrackTable, MakesRoomForANewFrame_ByTheTracksThatEnded_TheShortestFirst) {
   TrackedSpots f;
-  constexpr int kSpots = static_cast<int>(limits::kStartTracks) / 5;
+  constexpr int kSpots = static_cast<int>(limits::kInitialTracks) / 5;
   const auto show = [&](int group) { f.add(range(group * kSpots, (group + 1) * kSpots)); };
   show(0);
   for (int group = 0; group < 5; ++group) {
@@ -183,12 +183,12 @@ TEST(TrackTable, MakesRoomForANewFrame_ByTheTracksThatEnded_TheShortestFirst) {
 
 TEST(TrackTable, LosesNoTrackThatEnded_WhileThereIsRoom) {
   TrackedSpots f;
-  constexpr int kSpots = static_cast<int>(limits::kStartTracks) / 5;
+  constexpr int kSpots = static_cast<int>(limits::kInitialTracks) / 5;
   for (int group = 0; group < 5; ++group) {
     f.add(range(group * kSpots, (group + 1) * kSpots));
     f.add(range(group * kSpots, (group + 1) * kSpots));
   }
-  EXPECT_EQ(f.table->tracks.size(), limits::kStartTracks);
+  EXPECT_EQ(f.table->tracks.size(), limits::kInitialTracks);
   EXPECT_EQ(f.table->full_count, 0U);
 }
 
@@ -196,13 +196,13 @@ TEST(TrackTable, CountsTracksThatFindNoPlace_WhenItIsFullOfTracksThatMayGoOn) {
   TrackedSpots f;
   constexpr int kSpots = static_cast<int>(limits::kFeatures);
   constexpr auto kMade = static_cast<std::uint32_t>(2 * kSpots);
-  static_assert(kMade > limits::kStartTracks);
+  static_assert(kMade > limits::kInitialTracks);
   for (int group = 0; group < 2; ++group) {
     f.add(range(group * kSpots, (group + 1) * kSpots));
     f.add(range(group * kSpots, (group + 1) * kSpots));
   }
   EXPECT_TRUE(f.table->tracks.full());
-  EXPECT_EQ(f.table->full_count, kMade - limits::kStartTracks);
+  EXPECT_EQ(f.table->full_count, kMade - limits::kInitialTracks);
   f.expect_consistent();
 }
 
@@ -235,18 +235,18 @@ TEST(TrackTable, IsEmptyAgain_AfterClear) {
   f.expect_consistent();
 }
 
-TEST(TrackTable, IsSound_UntilAnIndexOrAPlaceIsDamaged) {
+TEST(TrackTable, IsValid_UntilAnIndexOrAPlaceIsDamaged) {
   TrackedSpots f;
-  EXPECT_TRUE(is_sound(*f.table)) << "empty";
+  EXPECT_TRUE(is_valid(*f.table)) << "empty";
   f.add(range(0, 12));
   f.add(range(0, 10));
   TrackTable& table = *f.table;
   ASSERT_EQ(table.tracks.size(), 10U);
-  EXPECT_TRUE(is_sound(table));
+  EXPECT_TRUE(is_valid(table));
   const auto expect_refused = [&](auto* value, double spoilt) {
     const auto good = *value;
     *value = static_cast<std::remove_const_t<decltype(good)>>(spoilt);
-    EXPECT_FALSE(is_sound(table)) << spoilt;
+    EXPECT_FALSE(is_valid(table)) << spoilt;
     *value = good;
   };
   for (const double index : {-2.0, 12.0}) {
@@ -258,7 +258,7 @@ TEST(TrackTable, IsSound_UntilAnIndexOrAPlaceIsDamaged) {
     expect_refused(&table.frames[0].features[11].normalised.x(), place);
   }
   table.track_of[1][10] = 77;  // of a feature that the frame does not have: never read
-  EXPECT_TRUE(is_sound(table));
+  EXPECT_TRUE(is_valid(table));
 }
 
 }  // namespace

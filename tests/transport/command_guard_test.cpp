@@ -123,7 +123,7 @@ TEST(CommandWindow, TakesEachNumberOnce_InAnyOrder) {
   EXPECT_GT(std::accumulate(taken.begin(), taken.end(), 0), 100);
 }
 
-TEST(CommandGuard, RemembersOverARestart_AndBeginsAnewWithANewKey) {
+TEST(CommandGuard, RemembersOverARestart_AndBeginsAgainWithANewKey) {
   SignedCommands signed_commands;
   CommandSettings settings = signed_commands.settings();
   Octets first = signed_commands.sign(kNoop);
@@ -152,7 +152,7 @@ TEST(CommandGuard, RemembersOverARestart_AndBeginsAnewWithANewKey) {
     EXPECT_TRUE(renewed.pass(low, {}));
     renewed.keep_numbers();
   }
-  settings.key = signed_commands.settings().key;  // the first key comes back
+  settings.key = signed_commands.settings().key;  // the first key returns
   CommandGuard back(settings, 0);
   Octets repeated = captured;
   EXPECT_FALSE(back.pass(repeated, {}));

@@ -58,9 +58,9 @@ TEST(CommandText, LoadsParametersByKey_AndKnowsTheirChecksum) {
   EXPECT_EQ(load.command.entry(0).value, 500U);
   EXPECT_EQ(load.command.entry(1).value, 0U);
   const Read activate("table_activate", writer);
-  const auto told = activate.command.arguments<bus::TableActivateCommand>();
-  EXPECT_EQ(told.crc32, crc32_iso_hdlc(load.command.entry_octets()));
-  EXPECT_EQ(told.entries, 3U);
+  const auto reported = activate.command.arguments<bus::TableActivateCommand>();
+  EXPECT_EQ(reported.crc32, crc32_iso_hdlc(load.command.entry_octets()));
+  EXPECT_EQ(reported.entries, 3U);
 }
 
 TEST(CommandText, ThatMakesNoSenseIsRefused) {

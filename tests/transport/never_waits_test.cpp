@@ -1,4 +1,4 @@
-// Publishing beside readers that do not read: the publishing thread never gives up its processor.
+// Publishing beside readers that do not read: the publishing thread never abandons its processor.
 //
 // The kernel counts how often a thread has waited for anything (voluntary switches). That count
 // does not depend on how busy the machine is, as times do.

@@ -108,8 +108,8 @@ TEST(NumberFile, IsTheUsersOwn) {
   EXPECT_THROW(open(folder / "pipe"), UnusableInput);
 }
 
-/// A captured command of the first key would be good again if its numbers began anew.
-TEST_F(NumberFileTest, EachKeyHasItsOwn_AndComesBackToThem) {
+/// A captured command of the first key would be good again if its numbers began again.
+TEST_F(NumberFileTest, EachKeyHasItsOwn_AndReturnsToThem) {
   take('a', 1000);
   {
     NumberFile other = open(2000, 'b');
@@ -167,7 +167,7 @@ TEST_F(NumberFileTest, FaultsOfTheDiskAreNoFaultOfTheSettings) {
   EXPECT_NE(refused.find("Too many open files"), std::string::npos) << refused;
 }
 
-/// Of a write that was cut short the call tells no error: what an earlier one left does not count.
+/// Of a write that was cut short the call shows no error: what an earlier one left does not count.
 ssize_t write_a_part(int file, const void* data, std::size_t octets, off_t at) {
   const ssize_t written = ::pwrite(file, data, octets / 2, at);
   errno = EACCES;
@@ -182,7 +182,7 @@ TEST_F(NumberFileTest, AWriteThatIsCutShortIsAFullDisk) {
 
 std::atomic<bool> g_hangs = false;
 
-/// A disk that hangs, until told otherwise.
+/// A disk that hangs, until set otherwise.
 ssize_t write_when_it_may(int file, const void* data, std::size_t octets, off_t at) {
   while (g_hangs) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));

@@ -37,7 +37,7 @@ struct stat status_of(const Name& name) {
   return status;
 }
 
-/// What a writer says that does not take the name.
+/// Message of a writer that does not take the name.
 template <typename Problem = UnusableInput>
 std::string refused(const Name& name) {
   return refusal_of<Problem>([&] { RingWriter(parse_address(name.address())); });

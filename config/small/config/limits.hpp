@@ -11,7 +11,7 @@ inline constexpr std::size_t kFeatures = 450;
 
 // Pixels of the working image, in which features are detected: a square of 163 px is enlarged
 // three times, larger ones less. Fewer cost accuracy at once (docs/resources.md). Its scale space
-// takes 32 octets a pixel.
+// takes 32 bytes a pixel.
 inline constexpr std::size_t kWorkingPixels = 240000;
 
 // The longer side of that image. Chosen: three times a side of 640 px, for a boom across the image.
@@ -28,13 +28,13 @@ inline constexpr std::size_t kLandmarks = 2500;
 
 // Frames that an initialisation can look back on. They are collected every 2 deg of rotation at the
 // soonest, so they span 30 deg or more.
-inline constexpr std::size_t kStartFrames = 16;
+inline constexpr std::size_t kInitialFrames = 16;
 
 // Pixels of the target's part of a kept frame: 110 x 110.
 inline constexpr std::size_t kCropPixels = 12100;
 
 // Tracks before there is a map. Chosen: 1.5 times the 400 features of a frame (config/small.toml).
-inline constexpr std::size_t kStartTracks = 600;
+inline constexpr std::size_t kInitialTracks = 600;
 
 // Tracks that hypotheses of a start are compared on. Half as many as in the standard set.
 inline constexpr std::size_t kSelectionTracks = 256;
@@ -56,7 +56,7 @@ inline constexpr std::size_t kAdjustmentObservations = 300 * kKeyframes;
 // (config/small.toml).
 inline constexpr std::size_t kMotionPoses = 300;
 
-// Octets of one packet, as in the standard set.
+// Bytes of one packet, as in the standard set.
 inline constexpr std::size_t kPacketOctets = 1400;
 
 }  // namespace polhode::limits

@@ -139,7 +139,7 @@ std::vector<std::uint8_t> pixels_of(const polhode::ImageView& image, __u32 pixel
   const std::size_t row = static_cast<std::size_t>(image.width_px) *
                           (image.format == polhode::PixelFormat::kGray16 ? 2 : 1);
   for (int v = 0; v < image.height_px; ++v) {
-    const std::uint8_t* from = image.data + v * image.stride_octets;
+    const std::uint8_t* from = image.data + v * image.stride_bytes;
     pixels.insert(pixels.end(), from, from + row);
   }
   const unsigned shift = 16U - bits_of(pixel_format);
@@ -189,15 +189,15 @@ struct Wish {
   double light = 0.0;  ///< 0: pixels as they are in the sequence
 };
 
-void feed(const Sequence& sequence, const Wish& wish, const Script& script) {
+void feed(const Sequence& sequence, const Wish& request, const Script& script) {
   TestCamera camera;
   Sensor sensor;
-  sensor.light = wish.light;
-  const bool exposes = wish.light > 0.0;
+  sensor.light = request.light;
+  const bool exposes = request.light > 0.0;
   FileCamera files(sequence);
   polhode::Frame frame;
   camera.wait_for(true);
-  for (std::size_t i = 0; i < wish.frames && files.next(frame); ++i) {
+  for (std::size_t i = 0; i < request.frames && files.next(frame); ++i) {
     filecam_header header{};
     const auto [first, last] = script.equal_range(i);
     if (first != last || exposes) {
@@ -217,7 +217,7 @@ void feed(const Sequence& sequence, const Wish& wish, const Script& script) {
       fmt::print("{} {}\n", i, sensor.account());
     }
     camera.send(header, pixels);
-    sleep_s(wish.interval_s);
+    sleep_s(request.interval_s);
   }
 }
 
@@ -227,17 +227,17 @@ int main(int argc, char** argv) {
   CLI::App app{"Plays a sequence into the test camera"};
   std::string sequence;
   std::string script;
-  Wish wish;
+  Wish request;
   app.add_option("--sequence", sequence)->required();
   app.add_option("--script", script);
-  app.add_option("--frames", wish.frames);
-  app.add_option("--interval", wish.interval_s, "seconds to rest after each frame");
+  app.add_option("--frames", request.frames);
+  app.add_option("--interval", request.interval_s, "seconds to rest after each frame");
   app.add_option("--light",
-                 wish.light,
+                 request.light,
                  "of the scene: level of a pixel over the sequence's, at 10 ms and least gain");
   CLI11_PARSE(app, argc, argv);
   try {
-    feed(polhode::platform::open_sequence(sequence), wish, read_script(script));
+    feed(polhode::platform::open_sequence(sequence), request, read_script(script));
   } catch (const std::exception& problem) {
     fmt::print(stderr, "filecam_feed: {}\n", problem.what());
     return 1;

@@ -116,10 +116,10 @@ static int get_interval(struct file *file, void *fh, struct v4l2_streamparm *par
 static int set_interval(struct file *file, void *fh, struct v4l2_streamparm *parameters)
 {
 	struct filecam *c = video_drvdata(file);
-	const struct v4l2_fract wished = parameters->parm.capture.timeperframe;
+	const struct v4l2_fract requested = parameters->parm.capture.timeperframe;
 
-	if (wished.numerator && wished.denominator)
-		c->interval = wished;
+	if (requested.numerator && requested.denominator)
+		c->interval = requested;
 	return get_interval(file, fh, parameters);
 }
 

@@ -9,9 +9,9 @@ namespace {
 
 struct Format {
   std::array<std::uint8_t, 8> magic;
-  std::size_t magic_octets;
-  Refusal (*header)(Octets, ImageHeader&);
-  Refusal (*decode)(Octets, DecodedImage&);
+  std::size_t magic_bytes;
+  Refusal (*header)(Bytes, ImageHeader&);
+  Refusal (*decode)(Bytes, DecodedImage&);
 };
 
 // By content, not by name: a file with the wrong extension still reads.
@@ -21,9 +21,9 @@ constexpr Format kFormats[] = {
     {{'P', '5'}, 2, pgm_header, pgm_decode},
 };
 
-const Format* format_of(Octets file) {
+const Format* format_of(Bytes file) {
   for (const Format& format : kFormats) {
-    const auto magic = std::span(format.magic).first(format.magic_octets);
+    const auto magic = std::span(format.magic).first(format.magic_bytes);
     if (file.size() >= magic.size() && std::equal(magic.begin(), magic.end(), file.begin())) {
       return &format;
     }
@@ -31,27 +31,27 @@ const Format* format_of(Octets file) {
   return nullptr;
 }
 
-Refusal unknown(Octets file) {
+Refusal unknown(Bytes file) {
   return file.empty() ? "the file is empty" : "not a PNG, JPEG or binary PGM (P5) image";
 }
 
 }  // namespace
 
 ImageView DecodedImage::view() const {
-  const int octets = header.format == PixelFormat::kGray16 ? 2 : 1;
+  const int bytes = header.format == PixelFormat::kGray16 ? 2 : 1;
   return {.data = pixels.data(),
           .width_px = header.width_px,
           .height_px = header.height_px,
-          .stride_octets = static_cast<std::ptrdiff_t>(header.width_px) * octets,
+          .stride_bytes = static_cast<std::ptrdiff_t>(header.width_px) * bytes,
           .format = header.format};
 }
 
-Refusal read_header(Octets file, ImageHeader& header) {
+Refusal read_header(Bytes file, ImageHeader& header) {
   const Format* format = format_of(file);
   return format == nullptr ? unknown(file) : format->header(file, header);
 }
 
-Refusal decode(Octets file, DecodedImage& image) {
+Refusal decode(Bytes file, DecodedImage& image) {
   const Format* format = format_of(file);
   if (format == nullptr) {
     return unknown(file);
@@ -59,9 +59,9 @@ Refusal decode(Octets file, DecodedImage& image) {
   if (Refusal refusal = format->header(file, image.header)) {
     return refusal;
   }
-  const std::size_t octets = image.header.format == PixelFormat::kGray16 ? 2 : 1;
+  const std::size_t bytes = image.header.format == PixelFormat::kGray16 ? 2 : 1;
   image.pixels.resize(static_cast<std::size_t>(image.header.width_px) *
-                      static_cast<std::size_t>(image.header.height_px) * octets);
+                      static_cast<std::size_t>(image.header.height_px) * bytes);
   return format->decode(file, image);
 }
 

@@ -15,12 +15,12 @@ struct Decoder {
   jpeg_decompress_struct jpeg{};
   jpeg_error_mgr errors{};
   std::jmp_buf failed{};
-  Octets file;
+  Bytes file;
   char message[JMSG_LENGTH_MAX] = {};
 
-  explicit Decoder(Octets octets) : file(octets) {
+  explicit Decoder(Bytes bytes) : file(bytes) {
     jpeg.err = jpeg_std_error(&errors);
-    errors.error_exit = give_up;
+    errors.error_exit = abort_decoding;
     errors.emit_message = remark;
     jpeg.client_data = this;
     jpeg_create_decompress(&jpeg);
@@ -58,26 +58,26 @@ struct Decoder {
   }
 
  private:
-  [[noreturn]] static void give_up(j_common_ptr jpeg) {
+  [[noreturn]] static void abort_decoding(j_common_ptr jpeg) {
     auto* decoder = static_cast<Decoder*>(jpeg->client_data);
     jpeg->err->format_message(jpeg, decoder->message);
     std::longjmp(decoder->failed, 1);
   }
   static void remark(j_common_ptr jpeg, int level) {
     const auto* decoder = static_cast<Decoder*>(jpeg->client_data);
-    if (level < 0 && tells_damage(decoder->jpeg, decoder->file.data())) {
-      give_up(jpeg);
+    if (level < 0 && indicates_damage(decoder->jpeg, decoder->file.data())) {
+      abort_decoding(jpeg);
     }
   }
 };
 
-/// In how many scans a picture comes, by the markers up to the first one.
+/// In how many scans an image comes, by the markers up to the first one.
 struct Scans {
   std::size_t components = 0;
   bool several = false;
 };
 
-Scans scans_of(Octets file) {
+Scans scans_of(Bytes file) {
   Scans scans;
   bool progressive = false;
   std::size_t at = 2;  // after the marker that begins the image
@@ -105,7 +105,7 @@ Scans scans_of(Octets file) {
 
 /// The library keeps all coefficients, 16 bits each, until the last scan; a component is rounded up
 /// to whole groups of blocks, 32 pixels at most.
-std::size_t coefficient_octets(Octets file, const ImageHeader& header) {
+std::size_t coefficient_bytes(Bytes file, const ImageHeader& header) {
   constexpr std::size_t kGroup_px = 32;
   const Scans scans = scans_of(file);
   const std::size_t samples = (static_cast<std::size_t>(header.width_px) + kGroup_px) *
@@ -115,7 +115,7 @@ std::size_t coefficient_octets(Octets file, const ImageHeader& header) {
 
 }  // namespace
 
-Refusal jpeg_header(Octets file, ImageHeader& header) {
+Refusal jpeg_header(Bytes file, ImageHeader& header) {
   Decoder decoder(file);
   if (!decoder.read_header()) {
     return decoder.reason();
@@ -127,11 +127,11 @@ Refusal jpeg_header(Octets file, ImageHeader& header) {
   header = {.width_px = static_cast<int>(decoder.jpeg.image_width),
             .height_px = static_cast<int>(decoder.jpeg.image_height),
             .format = PixelFormat::kGray8};
-  header.decoder_octets = coefficient_octets(file, header);
+  header.decoder_bytes = coefficient_bytes(file, header);
   return std::nullopt;
 }
 
-Refusal jpeg_decode(Octets file, DecodedImage& image) {
+Refusal jpeg_decode(Bytes file, DecodedImage& image) {
   Decoder decoder(file);
   if (!decoder.read_header() || !decoder.read_rows(image.pixels.data())) {
     return decoder.reason();

@@ -20,7 +20,7 @@ bool is_space(std::uint8_t c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 
 /// Skips blanks and comments, reads one decimal number. @return false at the end or at anything
 /// else.
-bool read_number(Octets file, std::size_t& at, long& number) {
+bool read_number(Bytes file, std::size_t& at, long& number) {
   while (at < file.size() && (is_space(file[at]) || file[at] == '#')) {
     if (file[at] == '#') {
       while (at < file.size() && file[at] != '\n') {
@@ -39,7 +39,7 @@ bool read_number(Octets file, std::size_t& at, long& number) {
   return at > first;
 }
 
-Refusal parse(Octets file, PgmHeader& header) {
+Refusal parse(Bytes file, PgmHeader& header) {
   std::size_t at = 2;  // after "P5"
   if (!read_number(file, at, header.width) || !read_number(file, at, header.height) ||
       !read_number(file, at, header.maxval) || at >= file.size() || !is_space(file[at])) {
@@ -58,7 +58,7 @@ Refusal parse(Octets file, PgmHeader& header) {
 
 }  // namespace
 
-Refusal pgm_header(Octets file, ImageHeader& header) {
+Refusal pgm_header(Bytes file, ImageHeader& header) {
   PgmHeader pgm;
   if (Refusal refusal = parse(file, pgm)) {
     return refusal;
@@ -70,16 +70,16 @@ Refusal pgm_header(Octets file, ImageHeader& header) {
   return std::nullopt;
 }
 
-Refusal pgm_decode(Octets file, DecodedImage& image) {
+Refusal pgm_decode(Bytes file, DecodedImage& image) {
   PgmHeader pgm;
   if (Refusal refusal = parse(file, pgm)) {
     return refusal;
   }
-  const Octets raw = file.subspan(pgm.pixels_at);
+  const Bytes raw = file.subspan(pgm.pixels_at);
   if (raw.size() < image.pixels.size()) {
     return "PGM: the file ends early";
   }
-  const Octets rest = raw.subspan(image.pixels.size());
+  const Bytes rest = raw.subspan(image.pixels.size());
   if (rest.size() > 2 && rest[0] == 'P' && rest[1] == '5' && is_space(rest[2])) {
     return "PGM: several pictures in one file; tools/import_sequence.py takes them apart";
   }

@@ -14,7 +14,7 @@ namespace polhode::platform {
 namespace {
 
 struct Source {
-  Octets file;
+  Bytes file;
   std::size_t position = 0;
   char message[128] = {};  // plain memory: it is written just before a jump
 };
@@ -36,7 +36,7 @@ void on_read(png_structp png, png_bytep out, png_size_t count) {
   source->position += count;
 }
 
-/// A row as it comes: pixels, places from one to the next in the picture, channels.
+/// A row as it comes: pixels, places from one to the next in the image, channels.
 struct Row {
   std::size_t count;
   std::size_t step;
@@ -54,26 +54,26 @@ Sample luminance(const std::uint8_t* colour) {
 
 template <typename Sample>
 void place_row(const std::uint8_t* from, const Row& row, std::uint8_t* to) {
-  constexpr std::size_t kOctets = sizeof(Sample);
+  constexpr std::size_t kBytes = sizeof(Sample);
   if (!row.colour && row.step == 1) {
-    std::memcpy(to, from, row.count * kOctets);
+    std::memcpy(to, from, row.count * kBytes);
     return;
   }
   for (std::size_t i = 0; i < row.count; ++i) {
     Sample value;
     if (row.colour) {
-      value = luminance<Sample>(from + 3 * i * kOctets);
+      value = luminance<Sample>(from + 3 * i * kBytes);
     } else {
-      std::memcpy(&value, from + i * kOctets, kOctets);
+      std::memcpy(&value, from + i * kBytes, kBytes);
     }
-    std::memcpy(to + i * row.step * kOctets, &value, kOctets);
+    std::memcpy(to + i * row.step * kBytes, &value, kBytes);
   }
 }
 
 /// Owns libpng's structures for one pass over one file.
 class Reader {
  public:
-  explicit Reader(Octets file) : source_{.file = file} {
+  explicit Reader(Bytes file) : source_{.file = file} {
     png_ = png_create_read_struct(PNG_LIBPNG_VER_STRING, &source_, on_error, on_warning);
     info_ = png_ == nullptr ? nullptr : png_create_info_struct(png_);
   }
@@ -92,7 +92,7 @@ class Reader {
     return true;
   }
 
-  /// Asks for 1 or 3 channels of 8 or 16 bits in the machine's order.
+  /// Requests 1 or 3 channels of 8 or 16 bits in the machine's byte order.
   bool set_transformations() {
     if (setjmp(png_jmpbuf(png_)) != 0) {
       return false;
@@ -107,9 +107,9 @@ class Reader {
     return true;
   }
 
-  /// Row by row, so that colour takes no more than one beside the picture. An interlaced file has
-  /// seven passes, each a smaller picture of every eighth, fourth or second pixel.
-  /// @param row     row_octets() octets, for one on its way
+  /// Row by row, so that colour takes no more than one beside the image. An interlaced file has
+  /// seven passes, each a smaller image of every eighth, fourth or second pixel.
+  /// @param row     row_bytes() bytes, for one on its way
   /// @param pixels  height() rows of width() gray samples
   bool read_rows(std::uint8_t* row, std::uint8_t* pixels) {
     if (setjmp(png_jmpbuf(png_)) != 0) {
@@ -131,7 +131,7 @@ class Reader {
   [[nodiscard]] png_uint_32 height() const { return png_get_image_height(png_, info_); }
   [[nodiscard]] bool deep() const { return png_get_bit_depth(png_, info_) == 16; }
   [[nodiscard]] bool colour() const { return png_get_channels(png_, info_) >= 3; }
-  [[nodiscard]] std::size_t row_octets() const { return png_get_rowbytes(png_, info_); }
+  [[nodiscard]] std::size_t row_bytes() const { return png_get_rowbytes(png_, info_); }
   [[nodiscard]] std::string reason() const { return std::string("PNG: ") + source_.message; }
 
  private:
@@ -169,30 +169,30 @@ class Reader {
 };
 
 /// By the chunk sBIT, of the widest channel; 0: there is none. The library passes it over with all
-/// that a picture can do without.
-int significant_bits(Octets file) {
+/// that an image can do without.
+int significant_bits(Bytes file) {
   constexpr std::size_t kAround = 12;  // length, type and checksum
   constexpr std::size_t kColours = 3;  // a fourth is alpha, as is a second
   std::size_t at = 8;                  // after the signature
   while (at + kAround < file.size()) {
-    const std::size_t octets = std::size_t{file[at]} << 24U | std::size_t{file[at + 1]} << 16U |
-                               std::size_t{file[at + 2]} << 8U | file[at + 3];
-    const Octets type = file.subspan(at + 4, 4);
-    if (std::memcmp(type.data(), "IDAT", 4) == 0 || octets > file.size() - at - kAround) {
+    const std::size_t bytes = std::size_t{file[at]} << 24U | std::size_t{file[at + 1]} << 16U |
+                              std::size_t{file[at + 2]} << 8U | file[at + 3];
+    const Bytes type = file.subspan(at + 4, 4);
+    if (std::memcmp(type.data(), "IDAT", 4) == 0 || bytes > file.size() - at - kAround) {
       return 0;
     }
-    if (std::memcmp(type.data(), "sBIT", 4) == 0 && octets > 0) {
-      const Octets bits = file.subspan(at + 8, octets < kColours ? 1 : kColours);
+    if (std::memcmp(type.data(), "sBIT", 4) == 0 && bytes > 0) {
+      const Bytes bits = file.subspan(at + 8, bytes < kColours ? 1 : kColours);
       return *std::max_element(bits.begin(), bits.end());
     }
-    at += octets + kAround;
+    at += bytes + kAround;
   }
   return 0;
 }
 
 }  // namespace
 
-Refusal png_header(Octets file, ImageHeader& header) {
+Refusal png_header(Bytes file, ImageHeader& header) {
   Reader reader(file);
   if (!reader.read_info()) {
     return reader.reason();
@@ -204,12 +204,12 @@ Refusal png_header(Octets file, ImageHeader& header) {
   return std::nullopt;
 }
 
-Refusal png_decode(Octets file, DecodedImage& image) {
+Refusal png_decode(Bytes file, DecodedImage& image) {
   Reader reader(file);
   if (!reader.read_info() || !reader.set_transformations()) {
     return reader.reason();
   }
-  image.scratch.resize(reader.row_octets());
+  image.scratch.resize(reader.row_bytes());
   if (!reader.read_rows(image.scratch.data(), image.pixels.data())) {
     return reader.reason();
   }

@@ -57,7 +57,7 @@ bool write_rows(std::FILE* file, const ImageView& image, png_bytep* rows) {
 void write_png(const std::filesystem::path& file, const ImageView& image) {
   std::vector<png_bytep> rows;
   for (int v = 0; v < image.height_px; ++v) {
-    rows.push_back(const_cast<png_bytep>(image.data + v * image.stride_octets));
+    rows.push_back(const_cast<png_bytep>(image.data + v * image.stride_bytes));
   }
   File out(std::fopen(file.c_str(), "wbe"));
   const bool written = out != nullptr && write_rows(out.get(), image, rows.data());

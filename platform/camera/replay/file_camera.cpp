@@ -4,14 +4,14 @@
 
 #include "camera/replay/depth.hpp"
 #include "camera/replay/exif.hpp"
-#include "camera/replay/file_octets.hpp"
+#include "camera/replay/file_bytes.hpp"
 #include "os/linux/memory/region.hpp"
 #include "quote.hpp"
 
 namespace polhode::platform {
 namespace {
 
-constexpr std::size_t kRowOctets = 6;  // a pixel of colour, 16 bits each
+constexpr std::size_t kRowBytes = 6;  // a pixel of colour, 16 bits each
 
 }  // namespace
 
@@ -20,18 +20,18 @@ FileCamera::FileCamera(const Sequence& sequence) : sequence_(sequence) {
   const auto width = static_cast<std::size_t>(sequence.camera.width_px);
   const auto height = static_cast<std::size_t>(sequence.camera.height_px);
   image_.pixels.reserve(2 * width * height);  // 16 bits: no frame of this camera needs more
-  image_.scratch.reserve(kRowOctets * width);
-  octets_.reserve(sequence.file_octets_max);
+  image_.scratch.reserve(kRowBytes * width);
+  bytes_.reserve(sequence.file_bytes_max);
   mosaic_ = MosaicFilter(sequence.mosaic ? sequence.camera.width_px : 0);
 }
 
 Refusal FileCamera::load(const SequenceFrame& frame) {
   if (Refusal refusal =
-          read_file(sequence_.image_folder / frame.file, octets_, sequence_.file_octets_max)) {
+          read_file(sequence_.image_folder / frame.file, bytes_, sequence_.file_bytes_max)) {
     return refusal;
   }
   ImageHeader header;
-  if (Refusal refusal = read_header(octets_, header)) {
+  if (Refusal refusal = read_header(bytes_, header)) {
     return refusal;
   }
   const CameraParameters& camera = sequence_.camera;
@@ -42,10 +42,10 @@ Refusal FileCamera::load(const SequenceFrame& frame) {
                        camera.width_px,
                        camera.height_px);
   }
-  if (header.decoder_octets > sequence_.decoder_octets) {
+  if (header.decoder_bytes > sequence_.decoder_bytes) {
     return "JPEG: in several scans, other than the first image; no memory is planned for that";
   }
-  if (Refusal refusal = decode(octets_, image_)) {
+  if (Refusal refusal = decode(bytes_, image_)) {
     return refusal;
   }
   const bool mixed_before = shallow_ > 0 && deep_ > 0;
@@ -53,7 +53,7 @@ Refusal FileCamera::load(const SequenceFrame& frame) {
   if (!mixed_before && shallow_ > 0 && deep_ > 0) {
     first_other_ = index();
   }
-  const int orientation = exif_orientation(octets_);
+  const int orientation = exif_orientation(bytes_);
   if (orientation != 1 && ++turned_ == 1) {
     first_turned_ = index();
     orientation_ = orientation;

@@ -32,13 +32,13 @@ class FileCamera {
     return refusal_;
   }  ///< why that frame is not readable
 
-  /// For people: how many pictures EXIF would turn, which is not done; empty: none.
+  /// A remark on images that EXIF would turn, which is not done; empty: none.
   [[nodiscard]] std::string orientation_remark() const;
 
-  /// For people: how many pictures hold levels beyond the depth, which are cut; empty: none.
+  /// A remark on images with levels beyond the depth, which are cut; empty: none.
   [[nodiscard]] std::string depth_remark() const;
 
-  /// For people: how many pictures have 8 bits a level where others have 16; empty: all are alike.
+  /// A remark on images of 8 bits a level among those of 16; empty: all are alike.
   [[nodiscard]] std::string mixed_remark() const;
 
  private:
@@ -46,15 +46,15 @@ class FileCamera {
 
   const Sequence& sequence_;
   std::size_t next_ = 0;
-  std::vector<std::uint8_t> octets_;
+  std::vector<std::uint8_t> bytes_;
   DecodedImage image_;
   MosaicFilter mosaic_{0};
   std::string refusal_;
-  std::size_t turned_ = 0;        ///< pictures with an orientation other than 1
+  std::size_t turned_ = 0;        ///< images with an orientation other than 1
   std::size_t first_turned_ = 0;  ///< the frame
   int orientation_ = 1;           ///< of that one
-  std::size_t cut_ = 0;           ///< pictures with levels beyond the depth
-  std::size_t shallow_ = 0;       ///< pictures of 8 bits a level
+  std::size_t cut_ = 0;           ///< images with levels beyond the depth
+  std::size_t shallow_ = 0;       ///< images of 8 bits a level
   std::size_t deep_ = 0;          ///< of 16
   std::size_t first_other_ = 0;   ///< the first frame of the second kind
 };

@@ -10,7 +10,7 @@
 namespace polhode::platform {
 namespace {
 
-constexpr unsigned kLitPart = 16;  // darker than this part of the largest level tells noise
+constexpr unsigned kLitPart = 16;  // darker than this part of the largest level is noise
 constexpr int kTiles = 8;          // along each edge
 constexpr std::size_t kTilePixelsMin = 128;
 constexpr std::size_t kTilesMin = 4;
@@ -29,19 +29,19 @@ struct Tile {
 class Levels {
  public:
   explicit Levels(const DecodedImage& image)
-      : image_(image), octets_(image.header.format == PixelFormat::kGray16 ? 2 : 1) {}
+      : image_(image), bytes_(image.header.format == PixelFormat::kGray16 ? 2 : 1) {}
 
   [[nodiscard]] unsigned at(int u, int v) const {
     const auto place = static_cast<std::size_t>(v) * static_cast<std::size_t>(width()) +
                        static_cast<std::size_t>(u);
-    if (octets_ == 1) {
+    if (bytes_ == 1) {
       return image_.pixels[place];
     }
     std::uint16_t level = 0;
     std::memcpy(&level, &image_.pixels[2 * place], sizeof level);
     return level;
   }
-  /// Of the nine pixels around a place inside the picture, 1-2-1 both ways, times 16.
+  /// Of the nine pixels around a place inside the image, 1-2-1 both ways, times 16.
   [[nodiscard]] unsigned around(int u, int v) const {
     return along(u, v - 1) + 2 * along(u, v) + along(u, v + 1);
   }
@@ -63,10 +63,10 @@ class Levels {
   }
 
   const DecodedImage& image_;
-  int octets_;
+  int bytes_;
 };
 
-/// Of a picture; u and v are even and at least 2, as around() reaches one pixel out.
+/// Of an image; u and v are even and at least 2, as around() reaches one pixel out.
 struct Part {
   int u, v, width, height;
 };
@@ -178,8 +178,8 @@ template <typename Sample>
 void MosaicFilter::level_rows(DecodedImage* image) {
   const int width = image->header.width_px;
   const int height = image->header.height_px;
-  const std::size_t row_octets = static_cast<std::size_t>(width) * sizeof(Sample);
-  const auto row = [&](int v) { return &image->pixels[static_cast<std::size_t>(v) * row_octets]; };
+  const std::size_t row_bytes = static_cast<std::size_t>(width) * sizeof(Sample);
+  const auto row = [&](int v) { return &image->pixels[static_cast<std::size_t>(v) * row_bytes]; };
   sum_along<Sample>(row(1), width, &above_);  // mirrored at the first row
   sum_along<Sample>(row(0), width, &here_);
   for (int v = 0; v < height; ++v) {

@@ -14,7 +14,7 @@ namespace polhode::platform {
 /// Recorded gray sequences stay below 0.004, a Bayer sensor before a gray body has 0.2 to 0.8.
 constexpr double kMosaicContrastMin = 0.04;
 
-/// What is done about a mosaic: by what the pictures show, or as the user says.
+/// Handling of a mosaic: by the images, or as the user chooses.
 enum class MosaicChoice { kFind, kLevel, kKeep };
 
 /// Of the four places in a cell of 2x2 pixels: by which share of the level they are brighter than
@@ -23,19 +23,19 @@ using MosaicCells = std::array<double, 4>;
 
 double contrast_of(const MosaicCells& cells);
 
-/// Nothing where the places do not differ, or not alike all over the picture.
+/// Nothing where the places do not differ, or not alike all over the image.
 std::optional<MosaicCells> mosaic_of(const DecodedImage& image);
 
-/// For people: what was found, and what is done.
+/// A remark on a mosaic and its handling.
 std::string mosaic_remark(double contrast, MosaicChoice choice);
 
-/// Takes a mosaic out of pictures of one width; its rows are acquired once.
+/// Takes a mosaic out of images of one width; its rows are acquired once.
 class MosaicFilter {
  public:
   explicit MosaicFilter(int width_px);
 
-  /// Each pixel becomes the mean of what is around it, 1-2-1 along rows and columns: whatever the
-  /// pattern of 2x2 pixels, its mean is left. Nothing moves.
+  /// Replaces each pixel by the mean around it, 1-2-1 along rows and columns: whatever the pattern
+  /// of 2x2 pixels, its mean is left. Nothing moves.
   void level(DecodedImage* image);
 
  private:

@@ -12,7 +12,7 @@
 namespace polhode::platform {
 
 struct PlayOptions {
-  double speed = 1.0;          ///< 0: each frame is due when it is asked for
+  double speed = 1.0;          ///< 0: each frame is due when it is requested
   int passes = 1;              ///< forth, back, forth ...: time goes on, the motion turns round
   int backlog_frames_max = 1;  ///< due frames that may wait behind the oldest
   std::int64_t start_ns = 0;   ///< monotonic time at which the first frame is due

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "camera/lens_doubts.hpp"
+#include "camera/lens_warnings.hpp"
 #include "errors.hpp"
 #include "input_text.hpp"
 #include "pipeline/parameter_table.hpp"
@@ -24,7 +24,7 @@ class SensorFile {
  public:
   explicit SensorFile(const std::filesystem::path& file) : file_(file) {
     try {
-      root_ = YAML::Load(read_text(file, kSettingsOctetsMax));
+      root_ = YAML::Load(read_text(file, kSettingsBytesMax));
     } catch (const YAML::Exception& problem) {
       fail(fmt::format("not YAML: {}", problem.what()));
     }
@@ -52,7 +52,7 @@ class SensorFile {
     }
   }
 
-  [[nodiscard]] bool holds_word(const char* field, const char* word) const {
+  [[nodiscard]] bool is_word(const char* field, const char* word) const {
     const YAML::Node node = root_[field];
     return node && node.IsScalar() && node.Scalar() == word;
   }
@@ -83,7 +83,7 @@ class SensorFile {
   }
 
   /// A number above zero; none where the field is missing.
-  /// @param problem  what else stands there, in one line; empty where nothing does
+  /// @param problem  description of another content, in one line; empty where there is none
   [[nodiscard]] std::optional<double> positive(const char* field, std::string* problem) const {
     const YAML::Node node = root_[field];
     double value = 0.0;
@@ -97,8 +97,8 @@ class SensorFile {
     return value;
   }
 
-  /// Is there such a field, other than 0, false and what else says no?
-  [[nodiscard]] bool says(const std::string& field) const {
+  /// Is there such a field, with another value than 0, null or false?
+  [[nodiscard]] bool is_set(const std::string& field) const {
     const YAML::Node node = root_[field];
     bool yes = true;
     double number = 1.0;
@@ -184,12 +184,12 @@ void check_all(const SensorFile& file, const CameraParameters& camera) {
   file.check("line_time_ns", "camera.line_time_ns", camera);
 }
 
-/// Time from row to row; 0 where nothing is said.
+/// Time from row to row; 0 where the file has none.
 double line_time_ns(const SensorFile& file) {
-  return file.says("line_time_ns") ? file.number("line_time_ns") : 0.0;
+  return file.is_set("line_time_ns") ? file.number("line_time_ns") : 0.0;
 }
 
-/// Letters and digits alone, small ones: how a name is compared that somebody else chose.
+/// Letters and digits alone, in lower case, for the comparison of names in foreign files.
 std::string plain(const std::string& name) {
   std::string letters;
   for (const char c : name) {
@@ -201,17 +201,17 @@ std::string plain(const std::string& name) {
 }
 
 /// How cameras' drivers and calibrations name the time from row to row, or a shutter that has one.
-bool tells_row_times(const SensorFile& file, const std::string& field) {
+bool indicates_row_times(const SensorFile& file, const std::string& field) {
   const std::string name = plain(field);
   const auto begins = [&](const char* word) { return name.rfind(word, 0) == 0; };
-  const auto holds = [&](const char* word) { return name.find(word) != std::string::npos; };
+  const auto contains = [&](const char* word) { return name.find(word) != std::string::npos; };
   if (name == "shutter" || begins("shuttertype") || begins("shuttermode")) {
     const auto values = file.single_values();
     const auto value = values.find(field);
     return value != values.end() && plain(value->second).find("rolling") != std::string::npos;
   }
-  return file.says(field) &&
-         (holds("rollingshutter") || holds("readouttime") || begins("linetime") ||
+  return file.is_set(field) &&
+         (contains("rollingshutter") || contains("readouttime") || begins("linetime") ||
           begins("linedelay") || begins("lineperiod") || begins("rowtime") || begins("rowdelay"));
 }
 
@@ -226,24 +226,24 @@ std::string rolling_shutter(const SensorFile& file) {
   }
   const std::vector<std::string> names = file.names();
   const auto found = std::find_if(names.begin(), names.end(), [&](const std::string& name) {
-    return tells_row_times(file, name);
+    return indicates_row_times(file, name);
   });
   return found == names.end() ? "" : fmt::format("{}: {}", cited(*found), kLimit);
 }
 
-/// What the program can go by, and is likely to be wrong.
-void add_doubts(const SensorFile& file, Sensor* sensor) {
+/// Adds warnings about fields that are usable but likely to be wrong.
+void add_warnings(const SensorFile& file, Sensor* sensor) {
   std::string problem;
   sensor->rate_hz = file.positive("rate_hz", &problem);
   std::string shape_problem;
   const double pixel_aspect = file.positive("pixel_aspect", &shape_problem).value_or(1.0);
-  std::vector<std::string> doubts = doubts_about_lens(sensor->camera, pixel_aspect);
-  doubts.push_back(problem);
-  doubts.push_back(shape_problem);
-  doubts.push_back(rolling_shutter(file));
-  for (const std::string& doubt : doubts) {
-    if (!doubt.empty()) {
-      sensor->warnings.push_back(file.named(doubt));
+  std::vector<std::string> warnings = lens_warnings(sensor->camera, pixel_aspect);
+  warnings.push_back(problem);
+  warnings.push_back(shape_problem);
+  warnings.push_back(rolling_shutter(file));
+  for (const std::string& warning : warnings) {
+    if (!warning.empty()) {
+      sensor->warnings.push_back(file.named(warning));
     }
   }
 }
@@ -254,7 +254,7 @@ std::vector<double> pinhole_of(const SensorFile& file,
                                const std::vector<double>& size,
                                const std::filesystem::path& path,
                                LensNeed need) {
-  if (!file.holds_word("intrinsics", "auto")) {
+  if (!file.is_word("intrinsics", "auto")) {
     return file.numbers("intrinsics", 4);
   }
   if (need == LensNeed::kNumbers) {
@@ -293,11 +293,11 @@ Sensor read_sensor_yaml(const std::filesystem::path& path, LensNeed need) {
     file.fail(disorder);
   }
   Sensor sensor{.camera = camera,
-                .intrinsics_known = !file.holds_word("intrinsics", "auto"),
+                .intrinsics_known = !file.is_word("intrinsics", "auto"),
                 .rate_hz = std::nullopt,
                 .fields = file.single_values(),
                 .warnings = {}};
-  add_doubts(file, &sensor);
+  add_warnings(file, &sensor);
   return sensor;
 }
 

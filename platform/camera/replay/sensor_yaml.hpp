@@ -17,7 +17,7 @@ enum class LensNeed { kNumbers, kAny };
 struct Sensor {
   CameraParameters camera;
   bool intrinsics_known = true;   ///< else `camera` has a guess: the focal length is the width
-  std::optional<double> rate_hz;  ///< pictures a second, where the file says it
+  std::optional<double> rate_hz;  ///< images a second, where the file has it
   std::map<std::string, std::string> fields;  ///< all that hold one word or number, as they stand
   std::vector<std::string> warnings;          ///< one line each, with the file's path
 };

@@ -11,7 +11,7 @@
 
 #include "camera/replay/decode.hpp"
 #include "camera/replay/depth.hpp"
-#include "camera/replay/file_octets.hpp"
+#include "camera/replay/file_bytes.hpp"
 #include "camera/replay/sensor_yaml.hpp"
 #include "camera/replay/stamps.hpp"
 #include "errors.hpp"
@@ -39,8 +39,7 @@ std::string_view trimmed(std::string_view text) {
 /// data.csv line by line; every message names the file and the line.
 class FrameTable {
  public:
-  explicit FrameTable(const fs::path& file)
-      : file_(file), text_(read_text(file, kTableOctetsMax)) {}
+  explicit FrameTable(const fs::path& file) : file_(file), text_(read_text(file, kTableBytesMax)) {}
 
   std::vector<SequenceFrame> read() {
     std::vector<SequenceFrame> frames;
@@ -114,14 +113,14 @@ class FrameTable {
 /// frame loop's matter.
 /// @return that header.
 ImageHeader check_first_image(const Sequence& sequence) {
-  std::vector<std::uint8_t> octets;
+  std::vector<std::uint8_t> bytes;
   Refusal first_refusal;
   for (const SequenceFrame& frame : sequence.frames) {
     const fs::path file = sequence.image_folder / frame.file;
     ImageHeader header;
-    Refusal refusal = read_file(file, octets, frame_octets_max(sequence.camera));
+    Refusal refusal = read_file(file, bytes, frame_bytes_max(sequence.camera));
     if (!refusal) {
-      refusal = read_header(octets, header);
+      refusal = read_header(bytes, header);
     }
     if (refusal) {
       first_refusal = first_refusal ? first_refusal : file.string() + ": " + *refusal;
@@ -144,12 +143,12 @@ ImageHeader check_first_image(const Sequence& sequence) {
                                   first_refusal.value_or("")));
 }
 
-/// What a few pictures of a sequence tell of its levels.
+/// Statistics of the levels of a few images of a sequence.
 struct LevelsSeen {
-  unsigned largest = 0;     ///< in 16-bit pictures
-  int said = 0;             ///< bits, as those files say; 0: they do not
-  bool full_depth = false;  ///< one says that it uses all 16
-  std::size_t lit = 0;      ///< pictures that are not black
+  unsigned largest = 0;     ///< in 16-bit images
+  int declared_bits = 0;    ///< as those files declare them; 0: they do not
+  bool full_depth = false;  ///< one declares all 16 bits
+  std::size_t lit = 0;      ///< images that are not black
   std::size_t with_mosaic = 0;
   MosaicCells cells{};  ///< summed over these
 };
@@ -158,12 +157,12 @@ void look_at(const DecodedImage& image, LevelsSeen* seen) {
   const bool is_deep = image.header.format == PixelFormat::kGray16;
   if (is_deep && image.header.significant_bits == kFullDepth_bits) {
     seen->full_depth = true;
-  } else if (is_deep) {  // one of 8 bits says nothing of the others
+  } else if (is_deep) {  // one of 8 bits is no sample of the others
     seen->largest = std::max(seen->largest, largest_level(image));
-    seen->said = std::max(seen->said, image.header.significant_bits);
+    seen->declared_bits = std::max(seen->declared_bits, image.header.significant_bits);
   }
   const bool lit = std::any_of(
-      image.pixels.begin(), image.pixels.end(), [](std::uint8_t octet) { return octet != 0; });
+      image.pixels.begin(), image.pixels.end(), [](std::uint8_t byte) { return byte != 0; });
   seen->lit += lit ? 1 : 0;
   if (const auto cells = mosaic_of(image)) {
     ++seen->with_mosaic;
@@ -175,35 +174,35 @@ void look_at(const DecodedImage& image, LevelsSeen* seen) {
 LevelsSeen levels_seen(const Sequence& sequence) {
   constexpr std::size_t kLookedAt = 5;  // evenly over the sequence: the first ones may be dark
   const std::size_t step = std::max<std::size_t>(1, sequence.frames.size() / kLookedAt);
-  std::vector<std::uint8_t> octets;
+  std::vector<std::uint8_t> bytes;
   DecodedImage image;
   LevelsSeen seen;
   for (std::size_t i = 0; i < sequence.frames.size(); i += step) {
     ImageHeader header;
     if (read_file(sequence.image_folder / sequence.frames[i].file,
-                  octets,
-                  frame_octets_max(sequence.camera)) ||
-        read_header(octets, header) || header.width_px != sequence.camera.width_px ||
+                  bytes,
+                  frame_bytes_max(sequence.camera)) ||
+        read_header(bytes, header) || header.width_px != sequence.camera.width_px ||
         header.height_px != sequence.camera.height_px) {
       continue;
     }
-    if (!decode(octets, image)) {
+    if (!decode(bytes, image)) {
       look_at(image, &seen);
     }
   }
   return seen;
 }
 
-/// Bits of the largest level in 16-bit pictures: 8, 10, 12, 14 or 16; 16 for other pictures. Where
-/// files say their bits, levels are of so many only if none is larger, as PNG asks writers to shift
-/// them up.
+/// Bits of the largest level in 16-bit images: 8, 10, 12, 14 or 16; 16 for other images. Bits that
+/// the files declare count only if no level is larger: PNG requires writers to shift levels up.
 int depth_of(const LevelsSeen& seen) {
   if (seen.full_depth || seen.largest == 0) {
     return kFullDepth_bits;
   }
-  const int said = std::min(seen.said, kFullDepth_bits);  // of a damaged file, it may be any octet
+  const int declared_bits =
+      std::min(seen.declared_bits, kFullDepth_bits);  // of a damaged file, it may be any byte
   const int found = depth_for(seen.largest);
-  return said == 0 || found == kFullDepth_bits ? found : std::max(found, said);
+  return declared_bits == 0 || found == kFullDepth_bits ? found : std::max(found, declared_bits);
 }
 
 void choose_levels(const PixelChoices& choices, Sequence* sequence) {
@@ -230,13 +229,13 @@ std::vector<std::int64_t> stamps_of(const std::vector<SequenceFrame>& frames) {
 }
 
 std::size_t largest_file(const Sequence& sequence) {
-  const std::size_t allowed = frame_octets_max(sequence.camera);
+  const std::size_t allowed = frame_bytes_max(sequence.camera);
   std::size_t largest = 0;
   for (const SequenceFrame& frame : sequence.frames) {
     std::error_code absent;
-    const std::uintmax_t octets = fs::file_size(sequence.image_folder / frame.file, absent);
-    if (!absent && octets <= allowed) {
-      largest = std::max(largest, static_cast<std::size_t>(octets));
+    const std::uintmax_t bytes = fs::file_size(sequence.image_folder / frame.file, absent);
+    if (!absent && bytes <= allowed) {
+      largest = std::max(largest, static_cast<std::size_t>(bytes));
     }
   }
   return largest;
@@ -244,7 +243,7 @@ std::size_t largest_file(const Sequence& sequence) {
 
 }  // namespace
 
-std::size_t frame_octets_max(const CameraParameters& camera) {
+std::size_t frame_bytes_max(const CameraParameters& camera) {
   constexpr std::size_t kPerPixel = 9;
   constexpr std::size_t kBeside = std::size_t{1} << 20U;
   return kPerPixel * static_cast<std::size_t>(camera.width_px) *
@@ -275,12 +274,12 @@ SequenceTables read_tables(const fs::path& path, LensNeed need) {
                         .frames = FrameTable(camera / "data.csv").read(),
                         .warnings = {}};
   tables.warnings = tables.sensor.warnings;
-  const std::vector<std::string> doubts =
-      doubts_about_stamps(stamps_of(tables.frames), tables.sensor.rate_hz, camera / "data.csv");
-  tables.warnings.insert(tables.warnings.end(), doubts.begin(), doubts.end());
+  const std::vector<std::string> warnings =
+      stamp_warnings(stamps_of(tables.frames), tables.sensor.rate_hz, camera / "data.csv");
+  tables.warnings.insert(tables.warnings.end(), warnings.begin(), warnings.end());
   const std::string readout =
-      doubt_about_readout(stamps_of(tables.frames),
-                          tables.sensor.camera.line_time_ns * (tables.sensor.camera.height_px - 1));
+      readout_warning(stamps_of(tables.frames),
+                      tables.sensor.camera.line_time_ns * (tables.sensor.camera.height_px - 1));
   if (!readout.empty()) {
     tables.warnings.push_back(
         fmt::format("{}: line_time_ns: {}", (camera / "sensor.yaml").string(), readout));
@@ -295,9 +294,9 @@ Sequence open_sequence(const fs::path& path, const PixelChoices& choices) {
                     .camera = tables.sensor.camera,
                     .frames = std::move(tables.frames),
                     .warnings = std::move(tables.warnings)};
-  sequence.decoder_octets = check_first_image(sequence).decoder_octets;
+  sequence.decoder_bytes = check_first_image(sequence).decoder_bytes;
   choose_levels(choices, &sequence);
-  sequence.file_octets_max = largest_file(sequence);
+  sequence.file_bytes_max = largest_file(sequence);
   return sequence;
 }
 

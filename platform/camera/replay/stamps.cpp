@@ -20,12 +20,12 @@ struct Unit {
 constexpr std::array<Unit, 3> kOtherUnits = {
     Unit{1e3, "microseconds"}, Unit{1e6, "milliseconds"}, Unit{1e9, "seconds or frame numbers"}};
 
-// Chosen: whole pictures are taken up to some 10,000 times a second.
+// Chosen: whole images are taken up to some 10,000 times a second.
 constexpr std::int64_t kIntervalMin_ns = 10'000;
 // Stamps of another unit are off by it and by little else: clocks are good to 1e-4, and rates are
 // written with two digits.
 constexpr double kUnitTolerance = 0.02;
-// Chosen: every second picture left out is told, a rate that was rounded is not.
+// Chosen: every second image left out is reported, a rounded rate is not.
 constexpr double kRateFactorMax = 1.5;
 
 std::vector<std::int64_t> intervals_of(std::span<const std::int64_t> stamps_ns) {
@@ -70,7 +70,7 @@ void refuse_other_units(double interval_ns,
       looks));
 }
 
-/// Pictures that are stamped when they arrive come in bursts: many long pauses among short
+/// Images that are stamped when they arrive come in bursts: many long pauses among short
 /// intervals.
 std::string bursts(std::span<const std::int64_t> intervals, double median_ns) {
   // Chosen: four frames in a row that are lost make no pause, and pauses are usual in one interval
@@ -152,9 +152,9 @@ std::string other_rate(double median_ns, double mean_ns, std::optional<double> r
 
 }  // namespace
 
-std::vector<std::string> doubts_about_stamps(std::span<const std::int64_t> stamps_ns,
-                                             std::optional<double> rate_hz,
-                                             const std::filesystem::path& table) {
+std::vector<std::string> stamp_warnings(std::span<const std::int64_t> stamps_ns,
+                                        std::optional<double> rate_hz,
+                                        const std::filesystem::path& table) {
   const std::vector<std::int64_t> intervals = intervals_of(stamps_ns);
   if (intervals.empty()) {
     return {};
@@ -162,22 +162,22 @@ std::vector<std::string> doubts_about_stamps(std::span<const std::int64_t> stamp
   std::vector<std::int64_t> sorted = intervals;
   const auto median_ns = static_cast<double>(median(std::span(sorted)));
   refuse_other_units(median_ns, rate_hz, table);
-  std::vector<std::string> doubts;
+  std::vector<std::string> warnings;
   const double mean_ns = static_cast<double>(stamps_ns.back() - stamps_ns.front()) /
                          static_cast<double>(intervals.size());
   const std::string in_bursts = bursts(intervals, median_ns);
-  for (const std::string& doubt :
+  for (const std::string& warning :
        {other_rate(median_ns, mean_ns, rate_hz),
         in_bursts,
         in_bursts.empty() ? gaps(stamps_ns, intervals, median_ns) : std::string()}) {
-    if (!doubt.empty()) {
-      doubts.push_back(fmt::format("{}: timestamp [ns]: {}", table.string(), doubt));
+    if (!warning.empty()) {
+      warnings.push_back(fmt::format("{}: timestamp [ns]: {}", table.string(), warning));
     }
   }
-  return doubts;
+  return warnings;
 }
 
-std::string doubt_about_readout(std::span<const std::int64_t> stamps_ns, double readout_ns) {
+std::string readout_warning(std::span<const std::int64_t> stamps_ns, double readout_ns) {
   std::vector<std::int64_t> intervals = intervals_of(stamps_ns);
   if (intervals.empty()) {
     return "";

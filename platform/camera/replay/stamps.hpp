@@ -1,4 +1,4 @@
-// Time stamps of a sequence: are they nanoseconds, and those of the pictures?
+// Time stamps of a sequence: are they nanoseconds, and those of the images?
 #pragma once
 
 #include <cstdint>
@@ -13,17 +13,17 @@ namespace polhode::platform {
 /// Compares the intervals of the stamps with the rate that the camera's file names.
 /// @param stamps_ns  strictly increasing
 /// @param table      the file that they are from, for messages
-/// @return what is doubtful, one line each: another rate than the file's, pictures in bursts, gaps.
-/// @throws UnusableInput where they cannot be nanoseconds: more pictures a second than any camera
+/// @return warnings, one line each: another rate than the file's, images in bursts, gaps.
+/// @throws UnusableInput where they cannot be nanoseconds: more images a second than any camera
 /// takes, or intervals that are those of `rate_hz` in a unit a thousand, a million or a thousand
 /// million times as long.
-std::vector<std::string> doubts_about_stamps(std::span<const std::int64_t> stamps_ns,
-                                             std::optional<double> rate_hz,
-                                             const std::filesystem::path& table);
+std::vector<std::string> stamp_warnings(std::span<const std::int64_t> stamps_ns,
+                                        std::optional<double> rate_hz,
+                                        const std::filesystem::path& table);
 
-/// A camera reads a picture before it takes the next one.
+/// A camera reads an image before it takes the next one.
 /// @param readout_ns  from the first row to the last; negative: from the last one up
-/// @return what is doubtful; empty: nothing.
-std::string doubt_about_readout(std::span<const std::int64_t> stamps_ns, double readout_ns);
+/// @return a warning; empty: none.
+std::string readout_warning(std::span<const std::int64_t> stamps_ns, double readout_ns);
 
 }  // namespace polhode::platform

@@ -55,8 +55,8 @@ void ExposureControls::find(DeviceCalls& calls, int device) {
   gain_setting_ = get_control(calls, device, gain_);
 }
 
-bool ExposureControls::set_exposure(DeviceCalls& calls, int device, std::int64_t wished_ns) {
-  const double units = static_cast<double>(wished_ns) / static_cast<double>(kUnit_ns);
+bool ExposureControls::set_exposure(DeviceCalls& calls, int device, std::int64_t requested_ns) {
+  const double units = static_cast<double>(requested_ns) / static_cast<double>(kUnit_ns);
   const std::int64_t setting = nearest_setting(exposure_, units);
   if (!set_control(calls, device, exposure_, setting)) {
     return false;

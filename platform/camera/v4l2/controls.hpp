@@ -29,11 +29,11 @@ class ExposureControls {
   void find(DeviceCalls& calls, int device);
 
   /// @return false when the device refuses, or has no such control.
-  bool set_exposure(DeviceCalls& calls, int device, std::int64_t wished_ns);
+  bool set_exposure(DeviceCalls& calls, int device, std::int64_t requested_ns);
   /// @param fraction of the control's range, 0 .. 1.
   bool set_gain(DeviceCalls& calls, int device, double fraction);
 
-  /// As the device has it now; `otherwise_ns` where it does not tell.
+  /// As the device has it now; `otherwise_ns` where it does not give it.
   [[nodiscard]] std::int64_t exposure_ns(std::int64_t otherwise_ns) const {
     return exposure_.present && exposure_setting_ > 0 ? exposure_setting_ * kUnit_ns : otherwise_ns;
   }

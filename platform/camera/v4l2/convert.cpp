@@ -15,7 +15,7 @@ bool is_deep(const PixelPacking& packing) {
 
 GrayConverter::GrayConverter(const OfferedFormat& format)
     : format_(format), packing_(*find_packing(format.fourcc)) {
-  POLHODE_ASSERT(consistent(format), format.image_octets);
+  POLHODE_ASSERT(consistent(format), format.image_bytes);
   const auto pixels =
       static_cast<std::size_t>(format.width_px) * static_cast<std::size_t>(format.height_px);
   const bool widened = is_deep(packing_) && packing_.bits < 16;
@@ -32,23 +32,23 @@ bool GrayConverter::convert(std::span<const std::uint8_t> buffer, ImageView* vie
   *view = {.data = image_.data(),
            .width_px = format_.width_px,
            .height_px = format_.height_px,
-           .stride_octets = format_.width_px,
+           .stride_bytes = format_.width_px,
            .format = PixelFormat::kGray8};
   if (packing_.packing == Packing::kCompressed) {
     return decoder_->decode(buffer, image_.data());
   }
-  const std::size_t row = row_octets_of(packing_, format_.width_px);
+  const std::size_t row = row_bytes_of(packing_, format_.width_px);
   const auto rows = static_cast<std::size_t>(format_.height_px);
-  if (buffer.size() < format_.row_octets * (rows - 1) + row) {
+  if (buffer.size() < format_.row_bytes * (rows - 1) + row) {
     return false;
   }
   if (is_deep(packing_)) {
     view->format = PixelFormat::kGray16;
-    view->stride_octets *= 2;
+    view->stride_bytes *= 2;
   }
   if (image_.empty()) {
     view->data = buffer.data();
-    view->stride_octets = format_.row_octets;
+    view->stride_bytes = format_.row_bytes;
   } else {
     convert_rows(buffer.data());
   }
@@ -56,10 +56,10 @@ bool GrayConverter::convert(std::span<const std::uint8_t> buffer, ImageView* vie
 }
 
 void GrayConverter::convert_rows(const std::uint8_t* buffer) {
-  const std::size_t row_octets = image_.size() / static_cast<std::size_t>(format_.height_px);
+  const std::size_t row_bytes = image_.size() / static_cast<std::size_t>(format_.height_px);
   for (int row = 0; row < format_.height_px; ++row) {
-    const std::uint8_t* from = buffer + static_cast<std::size_t>(row) * format_.row_octets;
-    std::uint8_t* to = image_.data() + static_cast<std::size_t>(row) * row_octets;
+    const std::uint8_t* from = buffer + static_cast<std::size_t>(row) * format_.row_bytes;
+    std::uint8_t* to = image_.data() + static_cast<std::size_t>(row) * row_bytes;
     switch (packing_.packing) {
       case Packing::kGray16:
         widen_row(from, format_.width_px, packing_.bits, to);
@@ -103,9 +103,9 @@ void group_row(const std::uint8_t* from,
   const auto low_bits = static_cast<unsigned>(packing.bits - 8);
   for (int i = 0; i < pixels; ++i) {
     const int place = i % packing.group_pixels;
-    const std::uint8_t* group = from + i / packing.group_pixels * packing.group_octets;
+    const std::uint8_t* group = from + i / packing.group_pixels * packing.group_bytes;
     unsigned lows = 0;
-    for (int k = packing.group_octets - 1; k >= packing.group_pixels; --k) {
+    for (int k = packing.group_bytes - 1; k >= packing.group_pixels; --k) {
       lows = lows << 8U | static_cast<unsigned>(group[k]);
     }
     const unsigned low = lows >> (low_bits * static_cast<unsigned>(place)) & ((1U << low_bits) - 1);

@@ -1,4 +1,5 @@
-// A camera's buffer as a gray image. What needs no conversion is handed on where it lies.
+// Converts a camera's buffer to a gray image. A buffer that needs no conversion is handed on in
+// place.
 #pragma once
 
 #include <cstdint>
@@ -17,10 +18,10 @@ class GrayConverter {
   /// Takes all memory that frames of this format will need. @param format consistent().
   explicit GrayConverter(const OfferedFormat& format);
 
-  /// @param buffer what the camera has filled, from its first pixel on.
+  /// @param buffer content of the camera's buffer, from its first pixel on.
   /// @param view of `buffer` itself, or of the converter's own image until the next call.
-  /// @return false when the buffer ends before its last pixel, or does not hold a whole JPEG image
-  /// of this size.
+  /// @return false when the buffer ends before its last pixel, or is no whole JPEG image of this
+  /// size.
   [[nodiscard]] bool convert(std::span<const std::uint8_t> buffer, ImageView* view);
 
  private:
@@ -38,7 +39,7 @@ void widen_row(const std::uint8_t* from, int pixels, int bits, std::uint8_t* to)
 void group_row(const std::uint8_t* from, int pixels, const PixelPacking& packing, std::uint8_t* to);
 /// @param from the luminance of the first pixel.
 void luma_row(const std::uint8_t* from, int pixels, std::uint8_t* to);
-/// @param red  place of red among the three octets, 0 or 2.
+/// @param red  place of red among the three bytes, 0 or 2.
 void rgb_row(const std::uint8_t* from, int pixels, int red, std::uint8_t* to);
 
 }  // namespace polhode::platform

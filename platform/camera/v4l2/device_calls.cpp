@@ -24,7 +24,7 @@ class LinuxDeviceCalls final : public DeviceCalls {
   void close(int device) override { ::close(device); }
 
   int ioctl(int device, unsigned long request, void* argument) override {
-    // A signal may come in between; a device that answers so for ever is given up.
+    // A signal may interrupt the call; a device that always answers so is abandoned.
     constexpr int kTriesMax = 100;
     for (int i = 0; i < kTriesMax; ++i) {
       if (::ioctl(device, request, argument) >= 0) {
@@ -37,12 +37,12 @@ class LinuxDeviceCalls final : public DeviceCalls {
     return -EINTR;
   }
 
-  std::uint8_t* map(int device, std::size_t octets, std::int64_t offset) override {
-    void* block = ::mmap(nullptr, octets, PROT_READ | PROT_WRITE, MAP_SHARED, device, offset);
+  std::uint8_t* map(int device, std::size_t bytes, std::int64_t offset) override {
+    void* block = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, device, offset);
     return block == MAP_FAILED ? nullptr : static_cast<std::uint8_t*>(block);
   }
 
-  void unmap(std::uint8_t* block, std::size_t octets) override { ::munmap(block, octets); }
+  void unmap(std::uint8_t* block, std::size_t bytes) override { ::munmap(block, bytes); }
 
   int poll(int device, int timeout_ms) override {
     pollfd waited{.fd = device, .events = POLLIN, .revents = 0};

@@ -13,7 +13,10 @@ namespace {
 
 bool has_planes(std::uint32_t type) { return type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE; }
 
-v4l2_format wished_format(std::uint32_t type, std::uint32_t fourcc, int width_px, int height_px) {
+v4l2_format requested_format(std::uint32_t type,
+                             std::uint32_t fourcc,
+                             int width_px,
+                             int height_px) {
   v4l2_format format{};
   format.type = type;
   if (has_planes(type)) {
@@ -37,15 +40,15 @@ OfferedFormat offered(const v4l2_format& format) {
     return {.fourcc = planes.pixelformat,
             .width_px = static_cast<int>(planes.width),
             .height_px = static_cast<int>(planes.height),
-            .row_octets = planes.plane_fmt[0].bytesperline,
-            .image_octets = planes.plane_fmt[0].sizeimage,
+            .row_bytes = planes.plane_fmt[0].bytesperline,
+            .image_bytes = planes.plane_fmt[0].sizeimage,
             .field = planes.field};
   }
   return {.fourcc = format.fmt.pix.pixelformat,
           .width_px = static_cast<int>(format.fmt.pix.width),
           .height_px = static_cast<int>(format.fmt.pix.height),
-          .row_octets = format.fmt.pix.bytesperline,
-          .image_octets = format.fmt.pix.sizeimage,
+          .row_bytes = format.fmt.pix.bytesperline,
+          .image_bytes = format.fmt.pix.sizeimage,
           .field = format.fmt.pix.field};
 }
 
@@ -129,7 +132,7 @@ OpenResult DeviceStream::open(const char* path) {
 }
 
 OpenResult DeviceStream::check() {
-  const OpenResult result = open_node(wish_.path.c_str());
+  const OpenResult result = open_node(request_.path.c_str());
   close();
   return result;
 }
@@ -172,12 +175,12 @@ OpenResult DeviceStream::check_capabilities() {
 
 OpenResult DeviceStream::set_format() {
   const auto formats =
-      ask_formats(calls_, device_, type_, wish_.format.width_px, wish_.format.height_px);
-  const auto choice = choose_format(formats.view(), wish_.format);
+      ask_formats(calls_, device_, type_, request_.format.width_px, request_.format.height_px);
+  const auto choice = choose_format(formats.view(), request_.format);
   if (!choice) {
     const auto field = std::find_if(formats.begin(), formats.end(), [&](const OfferedFormat& f) {
       return !interlacing(f.field).empty() &&
-             (wish_.format.fourcc == 0 || f.fourcc == wish_.format.fourcc);
+             (request_.format.fourcc == 0 || f.fourcc == request_.format.fourcc);
     });
     if (field != formats.end()) {
       std::snprintf(trouble_.data(),
@@ -191,12 +194,12 @@ OpenResult DeviceStream::set_format() {
                   trouble_.size(),
                   "%s: no readable format of %dx%d",
                   path(),
-                  wish_.format.width_px,
-                  wish_.format.height_px);
+                  request_.format.width_px,
+                  request_.format.height_px);
     return OpenResult::kUnsuitable;
   }
-  v4l2_format format =
-      wished_format(type_, formats[*choice].fourcc, wish_.format.width_px, wish_.format.height_px);
+  v4l2_format format = requested_format(
+      type_, formats[*choice].fourcc, request_.format.width_px, request_.format.height_px);
   const int answer = calls_.ioctl(device_, VIDIOC_S_FMT, &format);
   if (answer < 0) {
     return failed("S_FMT", answer);
@@ -206,8 +209,8 @@ OpenResult DeviceStream::set_format() {
   if (planes_ < 1 || planes_ > VIDEO_MAX_PLANES) {
     return failed("S_FMT gave no planes", -EPROTO);
   }
-  // What was only asked for may differ from what is in force.
-  if (!choose_format(std::span(&format_, 1), wish_.format)) {
+  // The requested format may differ from the one in force.
+  if (!choose_format(std::span(&format_, 1), request_.format)) {
     return failed("S_FMT gave another format", -EPROTO);
   }
   return OpenResult::kStreaming;
@@ -217,8 +220,8 @@ OpenResult DeviceStream::set_format() {
 void DeviceStream::set_interval() {
   v4l2_streamparm parameters{};
   parameters.type = type_;
-  const Interval wished = interval_of(wish_.rate_hz);
-  parameters.parm.capture.timeperframe = {wished.numerator, wished.denominator};
+  const Interval requested = interval_of(request_.rate_hz);
+  parameters.parm.capture.timeperframe = {requested.numerator, requested.denominator};
   const bool known = calls_.ioctl(device_, VIDIOC_S_PARM, &parameters) >= 0 &&
                      (parameters.parm.capture.capability & V4L2_CAP_TIMEPERFRAME) != 0;
   const v4l2_fract& given = parameters.parm.capture.timeperframe;
@@ -227,7 +230,7 @@ void DeviceStream::set_interval() {
 
 OpenResult DeviceStream::map_ring() {
   v4l2_requestbuffers request{};
-  request.count = static_cast<std::uint32_t>(wish_.buffers);
+  request.count = static_cast<std::uint32_t>(request_.buffers);
   request.type = type_;
   request.memory = V4L2_MEMORY_MMAP;
   if (const int answer = calls_.ioctl(device_, VIDIOC_REQBUFS, &request); answer < 0) {
@@ -246,7 +249,7 @@ OpenResult DeviceStream::map_ring() {
     if (block == nullptr) {
       return failed("mmap", -ENOMEM);
     }
-    (void)ring_.push_back({.block = block, .octets = named.length()});
+    (void)ring_.push_back({.block = block, .bytes = named.length()});
   }
   return OpenResult::kStreaming;
 }
@@ -276,7 +279,7 @@ void DeviceStream::close() {
     streaming_ = false;
   }
   for (const Mapped& mapped : ring_) {
-    calls_.unmap(mapped.block, mapped.octets);
+    calls_.unmap(mapped.block, mapped.bytes);
   }
   ring_.clear();
   calls_.close(device_);
@@ -296,7 +299,7 @@ TakeResult DeviceStream::take(int timeout_ms, TakenBuffer* taken) {
     if (events == 0) {
       return TakeResult::kNothing;
     }
-    // An error or a hang-up is told by the next call, too, and there with its reason.
+    // An error or a hang-up is reported by the next call, too, and there with its reason.
   }
   NamedBuffer named(type_, 0, planes_);
   const v4l2_buffer& buffer = named.buffer;
@@ -313,7 +316,7 @@ TakeResult DeviceStream::take(int timeout_ms, TakenBuffer* taken) {
   const bool at_start =
       (buffer.flags & V4L2_BUF_FLAG_TSTAMP_SRC_MASK) == V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
   const Mapped& mapped = ring_[buffer.index];
-  const std::size_t end = std::min<std::size_t>(named.end(), mapped.octets);
+  const std::size_t end = std::min<std::size_t>(named.end(), mapped.bytes);
   const std::size_t begin = std::min<std::size_t>(named.begin(), end);
   const std::int64_t now_ns = calls_.now_ns();
   *taken = {
@@ -325,7 +328,7 @@ TakeResult DeviceStream::take(int timeout_ms, TakenBuffer* taken) {
       .stamped_at = stamped && at_start ? StampedAt::kStartOfExposure : StampedAt::kEndOfFrame,
       .taken_ns = now_ns,
       .damaged = (buffer.flags & V4L2_BUF_FLAG_ERROR) != 0,
-      .octets = {mapped.block + begin, end - begin}};
+      .bytes = {mapped.block + begin, end - begin}};
   return TakeResult::kBuffer;
 }
 
@@ -355,7 +358,7 @@ FixedVector<OfferedFormat, kAskedFormats> ask_formats(
     DeviceCalls& calls, int device, std::uint32_t type, int width_px, int height_px) {
   FixedVector<OfferedFormat, kAskedFormats> answers;
   for (const PixelPacking& packing : pixel_packings()) {
-    v4l2_format format = wished_format(type, packing.fourcc, width_px, height_px);
+    v4l2_format format = requested_format(type, packing.fourcc, width_px, height_px);
     if (calls.ioctl(device, VIDIOC_TRY_FMT, &format) >= 0 &&
         offered(format).fourcc == packing.fourcc) {
       (void)answers.push_back(offered(format));

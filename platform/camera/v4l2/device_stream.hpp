@@ -1,5 +1,5 @@
 // An open capture device with its ring of mapped buffers: opened, configured, started, read and
-// closed. Knows one attempt; what to do after a failure is V4l2Camera's matter.
+// closed. Makes one attempt; V4l2Camera decides what follows a failure.
 #pragma once
 
 #include <array>
@@ -19,18 +19,18 @@ struct v4l2_capability;
 
 namespace polhode::platform {
 
-/// As much as a driver gives (V4L2 itself allows 32).
+/// The number of buffers that drivers give (V4L2 itself allows 32).
 inline constexpr std::size_t kDeviceBuffers = 32;
 
-struct DeviceWish {
+struct DeviceRequest {
   std::string path;
-  FormatWish format;
+  FormatRequest format;
   double rate_hz = 10.0;
   int buffers = 4;
 };
 
-/// What a device says of itself and of its place in the machine: a node's number may be another
-/// one's after the device was away, these are not.
+/// Identity of a device: its name and its place in the machine. The number of its node may change
+/// while the device is away.
 struct DeviceIdentity {
   std::array<char, 16> driver{};
   std::array<char, 32> card{};
@@ -44,7 +44,7 @@ enum class OpenResult : std::uint8_t {
   kAbsent,      ///< no such node, or it has gone meanwhile
   kOther,       ///< not the device that is insisted on; nothing was set
   kBusy,        ///< another program has it
-  kUnsuitable,  ///< not a capture device, or not in the wished format: trying again will not help
+  kUnsuitable,  ///< no capture device, or without the requested format: trying again will not help
   kFailed,      ///< a call failed that should not
 };
 
@@ -58,27 +58,29 @@ struct TakenBuffer {
   StampedAt stamped_at = StampedAt::kEndOfFrame;
   std::int64_t taken_ns = 0;  ///< when it came out of the queue
   bool damaged = false;       ///< by the device's own word
-  std::span<const std::uint8_t> octets;
+  std::span<const std::uint8_t> bytes;
 };
 
 class DeviceStream {
  public:
-  DeviceStream(DeviceCalls& calls, DeviceWish wish) : calls_(calls), wish_(std::move(wish)) {}
+  DeviceStream(DeviceCalls& calls, DeviceRequest request)
+      : calls_(calls), request_(std::move(request)) {}
   ~DeviceStream() { close(); }
   DeviceStream(const DeviceStream&) = delete;
   DeviceStream& operator=(const DeviceStream&) = delete;
 
-  /// @param path of the node; the wish's, or where the same device may be found instead.
+  /// @param path of the node: the requested one, or another of the same device.
   OpenResult open(const char* path);
-  OpenResult open() { return open(wish_.path.c_str()); }
-  /// Whether the wished device would do; nothing is streamed, and it is closed again.
+  OpenResult open() { return open(request_.path.c_str()); }
+  /// Whether the requested device is usable; nothing is streamed, and it is closed again.
   OpenResult check();
   /// From now on no other device is taken.
   void insist_on(const DeviceIdentity& identity) { only_ = identity; }
   void close();
   [[nodiscard]] bool is_open() const { return device_ >= 0; }
 
-  /// Waits for a filled buffer and takes it. @param timeout_ms 0: only what is ready.
+  /// Waits for a filled buffer and takes it.
+  /// @param timeout_ms 0: without waiting.
   TakeResult take(int timeout_ms, TakenBuffer* taken);
   /// @return false when the device does not take it: the stream is no more.
   bool give_back(std::uint32_t index);
@@ -91,7 +93,7 @@ class DeviceStream {
   }
 
   [[nodiscard]] const char* path() const { return path_.data(); }  ///< of the last attempt
-  /// All zero until the device has told it.
+  /// All zero until the device has reported it.
   [[nodiscard]] const DeviceIdentity& identity() const { return identity_; }
   [[nodiscard]] const OfferedFormat& format() const { return format_; }
   [[nodiscard]] double rate_hz() const { return rate_hz_; }
@@ -104,7 +106,7 @@ class DeviceStream {
  private:
   struct Mapped {
     std::uint8_t* block = nullptr;
-    std::size_t octets = 0;
+    std::size_t bytes = 0;
   };
 
   /// Opens the node and agrees on the format.
@@ -117,7 +119,7 @@ class DeviceStream {
   OpenResult failed(const char* what, int error);
 
   DeviceCalls& calls_;
-  DeviceWish wish_;
+  DeviceRequest request_;
   std::array<char, 80> path_{};  ///< cut, for messages
   std::optional<DeviceIdentity> only_;
   DeviceIdentity identity_;
@@ -138,7 +140,7 @@ std::uint32_t capture_type(const v4l2_capability& capability);
 
 inline constexpr std::size_t kAskedFormats = 32;
 
-/// Asks the device (TRY_FMT) what it would give in each format that the driver can read.
+/// Queries (TRY_FMT) the device's answer for each format that this driver can read.
 /// @param type capture_type().
 FixedVector<OfferedFormat, kAskedFormats> ask_formats(
     DeviceCalls& calls, int device, std::uint32_t type, int width_px, int height_px);

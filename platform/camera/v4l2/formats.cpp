@@ -39,7 +39,7 @@ constexpr std::array<PixelPacking, 23> kPackings{{
     {V4L2_PIX_FMT_JPEG, Packing::kCompressed, 8, 0, "JPEG"},
 }};
 
-constexpr std::uint32_t kImageOctetsMax = 256U << 20U;  // 8192 x 8192 at 4 octets
+constexpr std::uint32_t kImageBytesMax = 256U << 20U;  // 8192 x 8192 at 4 bytes
 
 std::size_t rank(std::uint32_t fourcc) {
   const auto* found = find_packing(fourcc);
@@ -62,9 +62,9 @@ const PixelPacking* find_packing(std::string_view name) {
   return found == kPackings.end() ? nullptr : found;
 }
 
-std::uint32_t row_octets_of(const PixelPacking& packing, int width_px) {
+std::uint32_t row_bytes_of(const PixelPacking& packing, int width_px) {
   const int groups = (width_px + packing.group_pixels - 1) / packing.group_pixels;
-  return static_cast<std::uint32_t>(groups) * static_cast<std::uint32_t>(packing.group_octets);
+  return static_cast<std::uint32_t>(groups) * static_cast<std::uint32_t>(packing.group_bytes);
 }
 
 std::string_view interlacing(std::uint32_t field) {
@@ -104,25 +104,26 @@ std::string fourcc_text(std::uint32_t fourcc) {
 bool consistent(const OfferedFormat& offered) {
   const PixelPacking* packing = find_packing(offered.fourcc);
   if (packing == nullptr || offered.width_px <= 0 || offered.height_px <= 0 ||
-      offered.image_octets == 0 || offered.image_octets > kImageOctetsMax ||
+      offered.image_bytes == 0 || offered.image_bytes > kImageBytesMax ||
       !interlacing(offered.field).empty()) {
     return false;
   }
   if (packing->packing == Packing::kCompressed) {
     return true;
   }
-  const std::uint64_t row = row_octets_of(*packing, offered.width_px);
+  const std::uint64_t row = row_bytes_of(*packing, offered.width_px);
   const auto rows = static_cast<std::uint64_t>(offered.height_px);
-  return offered.row_octets >= row && offered.image_octets >= offered.row_octets * (rows - 1) + row;
+  return offered.row_bytes >= row && offered.image_bytes >= offered.row_bytes * (rows - 1) + row;
 }
 
 std::optional<std::size_t> choose_format(std::span<const OfferedFormat> offered,
-                                         const FormatWish& wish) {
+                                         const FormatRequest& request) {
   std::optional<std::size_t> best;
   for (std::size_t i = 0; i < offered.size(); ++i) {
     const OfferedFormat& format = offered[i];
-    const bool fits = format.width_px == wish.width_px && format.height_px == wish.height_px &&
-                      (wish.fourcc == 0 || format.fourcc == wish.fourcc) && consistent(format);
+    const bool fits =
+        format.width_px == request.width_px && format.height_px == request.height_px &&
+        (request.fourcc == 0 || format.fourcc == request.fourcc) && consistent(format);
     if (fits && (!best || rank(format.fourcc) < rank(offered[*best].fourcc))) {
       best = i;
     }
@@ -142,7 +143,7 @@ Interval interval_of(double rate_hz) {
           .denominator = static_cast<std::uint32_t>(std::lround(1000.0 * rate_hz))};
 }
 
-std::optional<std::size_t> choose_interval(std::span<const Interval> offered, double wished_hz) {
+std::optional<std::size_t> choose_interval(std::span<const Interval> offered, double requested_hz) {
   std::optional<std::size_t> best;
   double least = 0.0;
   for (std::size_t i = 0; i < offered.size(); ++i) {
@@ -150,7 +151,7 @@ std::optional<std::size_t> choose_interval(std::span<const Interval> offered, do
     if (hz <= 0.0) {
       continue;
     }
-    const double distance = std::abs(std::log(hz / wished_hz));
+    const double distance = std::abs(std::log(hz / requested_hz));
     if (!best || distance < least) {
       best = i;
       least = distance;

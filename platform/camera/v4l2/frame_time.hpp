@@ -5,7 +5,7 @@
 
 namespace polhode::platform {
 
-/// What the time stamp of a buffer marks.
+/// Moment that the time stamp of a buffer marks.
 enum class StampedAt : std::uint8_t {
   kStartOfExposure,
   kEndOfFrame,  ///< the last pixel has arrived
@@ -28,7 +28,7 @@ constexpr std::int64_t mid_exposure_ns(std::int64_t stamp_ns, const ExposureTimi
 class SequenceWatch {
  public:
   /// @return frames missing before this one. A number that repeats or runs back is a device that
-  /// began to count anew, or does not count.
+  /// restarted its count, or does not count.
   std::uint32_t missing_before(std::uint32_t sequence) {
     const std::uint32_t step = sequence - last_;  // wraps with the counter
     const bool begun = begun_;
@@ -44,7 +44,7 @@ class SequenceWatch {
   std::uint32_t last_ = 0;
 };
 
-/// When to try again what failed: soon at first, then in steps that double up to a bound.
+/// Times of retries after a failure: soon at first, then at intervals that double up to a bound.
 class Backoff {
  public:
   static constexpr std::int64_t kFirst_ns = 50'000'000;

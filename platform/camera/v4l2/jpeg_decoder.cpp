@@ -1,5 +1,5 @@
 // libjpeg takes its memory through a table of functions of the decoder; here they draw on one block
-// that each image begins to fill anew.
+// that each image fills from its beginning.
 #include "camera/v4l2/jpeg_decoder.hpp"
 
 #include <cstdio>  // jpeglib.h needs FILE
@@ -18,32 +18,32 @@ namespace {
 // Vector units read and write whole lines beyond a row's end.
 constexpr std::size_t kAlignment = 64;
 // Huffman and quantisation tables, each slot of them once.
-constexpr std::size_t kPermanentOctets = 32 * 1024;
-// Tables and a group of rows of all components, before and after upsampling: under 200 octets for
+constexpr std::size_t kPermanentBytes = 32 * 1024;
+// Tables and a group of rows of all components, before and after upsampling: under 200 bytes for
 // each pixel of a row, whatever the subsampling (tests/platform/v4l2/jpeg_decoder_test.cpp).
-constexpr std::size_t kImageOctets = 128 * 1024;
+constexpr std::size_t kImageBytes = 128 * 1024;
 constexpr std::size_t kPerColumn = 256;
 
-constexpr std::size_t rounded(std::size_t octets) {
-  return (octets + kAlignment - 1) / kAlignment * kAlignment;
+constexpr std::size_t rounded(std::size_t bytes) {
+  return (bytes + kAlignment - 1) / kAlignment * kAlignment;
 }
 
 /// Memory that is given out piece by piece, and taken back as a whole.
 struct Arena {
-  std::vector<std::byte> octets;
-  std::size_t begin = 0;  ///< of what is aligned
+  std::vector<std::byte> bytes;
+  std::size_t begin = 0;  ///< of the aligned part
   std::size_t used = 0;
   std::size_t peak = 0;
 
-  explicit Arena(std::size_t size) : octets(size + kAlignment) {
-    const auto at = reinterpret_cast<std::uintptr_t>(octets.data());
+  explicit Arena(std::size_t size) : bytes(size + kAlignment) {
+    const auto at = reinterpret_cast<std::uintptr_t>(bytes.data());
     begin = rounded(at) - at;
   }
   void* take(std::size_t wanted) {
-    if (wanted > octets.size() || used + rounded(wanted) > octets.size() - kAlignment) {
+    if (wanted > bytes.size() || used + rounded(wanted) > bytes.size() - kAlignment) {
       return nullptr;
     }
-    void* const piece = octets.data() + begin + used;
+    void* const piece = bytes.data() + begin + used;
     used += rounded(wanted);
     peak = std::max(peak, used);
     return piece;
@@ -56,16 +56,16 @@ struct JpegDecoder::State {
   jpeg_decompress_struct decoder{};
   jpeg_error_mgr errors{};
   jpeg_memory_mgr memory{};
-  jpeg_memory_mgr* own_memory = nullptr;  ///< the library's, for what it took when it was made
+  jpeg_memory_mgr* own_memory = nullptr;  ///< the library's, for its memory at creation
   std::jmp_buf failed{};
   const JOCTET* file = nullptr;  ///< that is being decoded
-  Arena permanent{kPermanentOctets};
+  Arena permanent{kPermanentBytes};
   Arena image;
   int width_px;
   int height_px;
 
   State(int width, int height)
-      : image(kImageOctets + kPerColumn * static_cast<std::size_t>(width)),
+      : image(kImageBytes + kPerColumn * static_cast<std::size_t>(width)),
         width_px(width),
         height_px(height) {}
 };
@@ -76,34 +76,36 @@ JpegDecoder::State* state_of(j_common_ptr decoder) {
   return static_cast<JpegDecoder::State*>(decoder->client_data);
 }
 
-[[noreturn]] void give_up(j_common_ptr decoder) { std::longjmp(state_of(decoder)->failed, 1); }
+[[noreturn]] void abort_decoding(j_common_ptr decoder) {
+  std::longjmp(state_of(decoder)->failed, 1);
+}
 
 void warn(j_common_ptr decoder, int level) {
   const JpegDecoder::State* state = state_of(decoder);
-  if (level < 0 && tells_damage(state->decoder, state->file)) {
-    give_up(decoder);
+  if (level < 0 && indicates_damage(state->decoder, state->file)) {
+    abort_decoding(decoder);
   }
 }
 
-void say_nothing(j_common_ptr /*decoder*/) {}
+void emit_nothing(j_common_ptr /*decoder*/) {}
 
-void* take(j_common_ptr decoder, int pool, std::size_t octets) {
+void* take(j_common_ptr decoder, int pool, std::size_t bytes) {
   JpegDecoder::State* state = state_of(decoder);
   Arena& arena = pool == JPOOL_PERMANENT ? state->permanent : state->image;
-  void* const piece = arena.take(octets);
+  void* const piece = arena.take(bytes);
   if (piece == nullptr) {
-    give_up(decoder);
+    abort_decoding(decoder);
   }
   return piece;
 }
 
 template <typename Row>
-Row* take_rows(j_common_ptr decoder, int pool, std::size_t row_octets, JDIMENSION rows) {
+Row* take_rows(j_common_ptr decoder, int pool, std::size_t row_bytes, JDIMENSION rows) {
   auto* table = static_cast<Row*>(take(decoder, pool, rows * sizeof(Row)));
-  const std::size_t pitch = rounded(row_octets) + kAlignment;
-  auto* octets = static_cast<std::byte*>(take(decoder, pool, rows * pitch));
+  const std::size_t pitch = rounded(row_bytes) + kAlignment;
+  auto* bytes = static_cast<std::byte*>(take(decoder, pool, rows * pitch));
   for (JDIMENSION i = 0; i < rows; ++i) {
-    table[i] = reinterpret_cast<Row>(octets + i * pitch);
+    table[i] = reinterpret_cast<Row>(bytes + i * pitch);
   }
   return table;
 }
@@ -119,16 +121,16 @@ JBLOCKARRAY take_blocks(j_common_ptr decoder, int pool, JDIMENSION width, JDIMEN
 // A whole image of coefficients: progressive, or in several scans, which no camera sends.
 jvirt_sarray_ptr no_samples(
     j_common_ptr decoder, int, boolean, JDIMENSION, JDIMENSION, JDIMENSION) {
-  give_up(decoder);
+  abort_decoding(decoder);
 }
 jvirt_barray_ptr no_blocks(j_common_ptr decoder, int, boolean, JDIMENSION, JDIMENSION, JDIMENSION) {
-  give_up(decoder);
+  abort_decoding(decoder);
 }
 JSAMPARRAY no_sample_rows(j_common_ptr decoder, jvirt_sarray_ptr, JDIMENSION, JDIMENSION, boolean) {
-  give_up(decoder);
+  abort_decoding(decoder);
 }
 JBLOCKARRAY no_block_rows(j_common_ptr decoder, jvirt_barray_ptr, JDIMENSION, JDIMENSION, boolean) {
-  give_up(decoder);
+  abort_decoding(decoder);
 }
 void nothing_to_realize(j_common_ptr /*decoder*/) {}
 
@@ -150,7 +152,7 @@ jpeg_memory_mgr own_functions(const jpeg_memory_mgr& library) {
   memory.access_virt_sarray = no_sample_rows;
   memory.access_virt_barray = no_block_rows;
   memory.free_pool = take_back;
-  memory.self_destruct = say_nothing;
+  memory.self_destruct = emit_nothing;
   return memory;
 }
 
@@ -160,9 +162,9 @@ JpegDecoder::JpegDecoder(int width_px, int height_px)
     : state_(std::make_unique<State>(width_px, height_px)) {
   State& s = *state_;
   s.decoder.err = jpeg_std_error(&s.errors);
-  s.errors.error_exit = give_up;
+  s.errors.error_exit = abort_decoding;
   s.errors.emit_message = warn;
-  s.errors.output_message = say_nothing;
+  s.errors.output_message = emit_nothing;
   s.decoder.client_data = &s;
   jpeg_create_decompress(&s.decoder);
   s.own_memory = s.decoder.mem;
@@ -175,17 +177,17 @@ JpegDecoder::~JpegDecoder() {
   jpeg_destroy_decompress(&state_->decoder);
 }
 
-bool JpegDecoder::decode(std::span<const std::uint8_t> octets, std::uint8_t* gray) {
+bool JpegDecoder::decode(std::span<const std::uint8_t> bytes, std::uint8_t* gray) {
   State* const s = state_.get();
-  if (octets.empty()) {
+  if (bytes.empty()) {
     return false;
   }
   if (setjmp(s->failed) != 0) {  // NOLINT(cert-err52-cpp): the library's way out of an error
     jpeg_abort_decompress(&s->decoder);
     return false;
   }
-  s->file = octets.data();
-  jpeg_mem_src(&s->decoder, octets.data(), static_cast<unsigned long>(octets.size()));
+  s->file = bytes.data();
+  jpeg_mem_src(&s->decoder, bytes.data(), static_cast<unsigned long>(bytes.size()));
   (void)jpeg_read_header(&s->decoder, TRUE);
   if (s->decoder.image_width != static_cast<JDIMENSION>(s->width_px) ||
       s->decoder.image_height != static_cast<JDIMENSION>(s->height_px)) {
@@ -204,7 +206,7 @@ bool JpegDecoder::decode(std::span<const std::uint8_t> octets, std::uint8_t* gra
   return true;
 }
 
-std::size_t JpegDecoder::peak_octets() const { return state_->image.peak; }
-std::size_t JpegDecoder::memory_octets() const { return state_->image.octets.size(); }
+std::size_t JpegDecoder::peak_bytes() const { return state_->image.peak; }
+std::size_t JpegDecoder::memory_bytes() const { return state_->image.bytes.size(); }
 
 }  // namespace polhode::platform

@@ -1,5 +1,5 @@
-// JPEG images of one size to gray, in memory that is taken at start: what a camera that delivers
-// compressed frames needs thirty times a second.
+// Decodes JPEG images of one size to gray, in memory that is taken at start: for a camera that
+// delivers thirty compressed frames a second.
 #pragma once
 
 #include <cstddef>
@@ -20,14 +20,14 @@ class JpegDecoder {
   JpegDecoder& operator=(JpegDecoder&&) = delete;
 
   /// @param gray   room for width times height.
-  /// @return false when the octets are no whole baseline JPEG image of this size (an image that
-  /// ends early is refused, not painted gray), or it asks for more memory than such images do. The
-  /// next one is decoded none the worse for it. No heap.
-  [[nodiscard]] bool decode(std::span<const std::uint8_t> octets, std::uint8_t* gray);
+  /// @return false when the bytes are no whole baseline JPEG image of this size (an image that
+  /// ends early is refused, not filled with gray), or it needs more memory than such images do. The
+  /// next image is decoded as usual. No heap.
+  [[nodiscard]] bool decode(std::span<const std::uint8_t> bytes, std::uint8_t* gray);
 
-  /// The most that an image has taken so far, of memory_octets().
-  [[nodiscard]] std::size_t peak_octets() const;
-  [[nodiscard]] std::size_t memory_octets() const;
+  /// The most that an image has taken so far, of memory_bytes().
+  [[nodiscard]] std::size_t peak_bytes() const;
+  [[nodiscard]] std::size_t memory_bytes() const;
 
   struct State;  ///< the library's and ours; in the source file
 

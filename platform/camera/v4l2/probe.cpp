@@ -11,7 +11,7 @@
 namespace polhode::platform {
 namespace {
 
-// A device that never says "no more" is cut off.
+// A bound for a device whose list never ends.
 constexpr std::uint32_t kEntriesMax = 64;
 
 template <std::size_t kSize>
@@ -124,14 +124,14 @@ DeviceReport probe_device(DeviceCalls& calls,
   }
   ask(calls, device, &report);
   if (report.captures) {
-    const FormatWish wish{.width_px = width_px > 0 ? width_px : report.width_px,
-                          .height_px = height_px > 0 ? height_px : report.height_px};
+    const FormatRequest request{.width_px = width_px > 0 ? width_px : report.width_px,
+                                .height_px = height_px > 0 ? height_px : report.height_px};
     const auto offered =
-        ask_formats(calls, device, report.capture_type, wish.width_px, wish.height_px);
+        ask_formats(calls, device, report.capture_type, request.width_px, request.height_px);
     for (const OfferedFormat& format : offered.view()) {
       report.interlacing = interlacing(format.field);
     }
-    if (const auto choice = choose_format(offered.view(), wish)) {
+    if (const auto choice = choose_format(offered.view(), request)) {
       report.would_use = offered[*choice];
     }
   }

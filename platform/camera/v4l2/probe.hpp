@@ -1,4 +1,4 @@
-// What a device says of itself, for people. At start only: takes memory as it likes.
+// Report on a device's capabilities. At start only: allocates freely.
 #pragma once
 
 #include <optional>
@@ -15,7 +15,7 @@ struct SizeReport {
   int width_px = 0;  ///< of a range: the greatest
   int height_px = 0;
   bool range = false;
-  std::vector<double> rates_hz;  ///< empty: not told
+  std::vector<double> rates_hz;  ///< empty: not reported
 };
 
 struct FormatReport {
@@ -32,13 +32,13 @@ struct DeviceReport {
   std::string bus;
   bool captures = false;  ///< by streaming
   std::uint32_t capture_type = 0;
-  std::string_view interlacing;  ///< interlacing() of what it gives at the asked size
+  std::string_view interlacing;  ///< interlacing() at the requested size
   std::vector<FormatReport> formats;
   int width_px = 0;  ///< as it is set now
   int height_px = 0;
   ControlRange exposure;
   ControlRange gain;
-  std::optional<OfferedFormat> would_use;  ///< at the asked size
+  std::optional<OfferedFormat> would_use;  ///< at the requested size
 };
 
 /// @param width_px, height_px the size that would be used; 0: as the device is set.

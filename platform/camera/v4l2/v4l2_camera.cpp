@@ -10,7 +10,7 @@ constexpr std::int64_t kMillisecond_ns = 1'000'000;
 
 bool same(const OfferedFormat& a, const OfferedFormat& b) {
   return a.fourcc == b.fourcc && a.width_px == b.width_px && a.height_px == b.height_px &&
-         a.row_octets == b.row_octets;
+         a.row_bytes == b.row_bytes;
 }
 
 const char* name_of(OpenResult result) {
@@ -31,11 +31,11 @@ const char* name_of(OpenResult result) {
 }  // namespace
 
 V4l2Camera::V4l2Camera(DeviceCalls& calls, const V4l2Options& options)
-    : calls_(calls), options_(options), stream_(calls, options.wish) {
-  say("not opened yet", "");
+    : calls_(calls), options_(options), stream_(calls, options.request) {
+  set_state("not opened yet", "");
 }
 
-void V4l2Camera::say(const char* what, std::string_view detail) {
+void V4l2Camera::set_state(const char* what, std::string_view detail) {
   std::snprintf(state_.data(),
                 state_.size(),
                 "%s%s%.*s",
@@ -52,12 +52,12 @@ OpenResult V4l2Camera::open_elsewhere() {
   for (int number = 0; number < kNodes; ++number) {
     std::array<char, 24> path{};
     std::snprintf(path.data(), path.size(), "/dev/video%d", number);
-    if (options_.wish.path == path.data()) {
+    if (options_.request.path == path.data()) {
       continue;  // tried already
     }
     const OpenResult result = stream_.open(path.data());
     if (result != OpenResult::kUnsuitable && stream_.identity() == first_identity_) {
-      say(name_of(result), stream_.trouble());
+      set_state(name_of(result), stream_.trouble());
       return result;
     }
   }
@@ -65,19 +65,20 @@ OpenResult V4l2Camera::open_elsewhere() {
 }
 
 OpenResult V4l2Camera::open_wherever_it_is() {
-  const OpenResult wished = stream_.open();
-  say(name_of(wished), stream_.trouble());
-  const bool may_be_elsewhere = wished == OpenResult::kAbsent || wished == OpenResult::kOther ||
-                                wished == OpenResult::kUnsuitable;
+  const OpenResult requested = stream_.open();
+  set_state(name_of(requested), stream_.trouble());
+  const bool may_be_elsewhere = requested == OpenResult::kAbsent ||
+                                requested == OpenResult::kOther ||
+                                requested == OpenResult::kUnsuitable;
   if (!converter_ || !may_be_elsewhere) {
-    return wished;
+    return requested;
   }
   const OpenResult found = open_elsewhere();
-  return found == OpenResult::kAbsent ? wished : found;
+  return found == OpenResult::kAbsent ? requested : found;
 }
 
 OpenResult V4l2Camera::open() {
-  held_.reset();
+  taken_.reset();
   ready_.clear();
   sequence_.restart();
   ++counters_.attempts;
@@ -90,7 +91,7 @@ OpenResult V4l2Camera::open() {
   }
   if (result == OpenResult::kStreaming && !same(stream_.format(), first_format_)) {
     stream_.close();
-    say("came back with another format", stream_.path());
+    set_state("came back with another format", stream_.path());
     result = OpenResult::kUnsuitable;
   }
   if (result != OpenResult::kStreaming) {
@@ -101,13 +102,13 @@ OpenResult V4l2Camera::open() {
   backoff_.succeeded();
   ++counters_.opened;
   waited_ns_ = 0;
-  say("streaming", options_.wish.path == stream_.path() ? "" : stream_.path());
+  set_state("streaming", options_.request.path == stream_.path() ? "" : stream_.path());
   set_exposure(options_.exposure_ns, options_.gain);
   return result;
 }
 
 void V4l2Camera::set_exposure(std::int64_t exposure_ns, double gain) {
-  options_.exposure_ns = exposure_ns;  // once more when the device comes back
+  options_.exposure_ns = exposure_ns;  // applied again when the device returns
   options_.gain = gain;
   if (exposure_ns > 0) {
     exposure_before_ns_ = stream_.controls().exposure_ns(exposure_ns);
@@ -170,8 +171,8 @@ Arrival V4l2Camera::wait_to_open(int timeout_ms) {
 
 void V4l2Camera::end_stream(TakeResult why) {
   (why == TakeResult::kGone ? counters_.disconnects : counters_.stream_errors) += 1;
-  say(why == TakeResult::kGone ? "gone" : "stream failed", stream_.trouble());
-  held_.reset();
+  set_state(why == TakeResult::kGone ? "gone" : "stream failed", stream_.trouble());
+  taken_.reset();
   ready_.clear();
   stream_.close();
   backoff_.succeeded();
@@ -223,29 +224,29 @@ Arrival V4l2Camera::hand_out(Frame* frame) {
                                                  {.stamped_at = buffer.stamped_at,
                                                   .exposure_ns = exposure_at(buffer.stamp_ns),
                                                   .readout_ns = options_.readout_ns});
-  if (timestamp_ns <= last_timestamp_ns_ && !outvotes(timestamp_ns, &time_doubt_)) {
+  if (timestamp_ns <= last_timestamp_ns_ && !outvotes(timestamp_ns, &earlier_times_)) {
     ++counters_.frames_out_of_time;
     give_back(buffer);
     return Arrival::kNothing;
   }
-  time_doubt_ = {};
+  earlier_times_ = {};
   last_timestamp_ns_ = timestamp_ns;
   available_ns_ = filled_ns(buffer);
   *frame = {.timestamp_ns = timestamp_ns, .image = {}, .readable = false};
-  frame->readable = !buffer.damaged && converter_->convert(buffer.octets, &frame->image);
+  frame->readable = !buffer.damaged && converter_->convert(buffer.bytes, &frame->image);
   if (!frame->readable) {
     frame->image = {};
     ++counters_.frames_damaged;
   }
   ++counters_.frames;
-  held_ = buffer;
+  taken_ = buffer;
   return Arrival::kFrame;
 }
 
 Arrival V4l2Camera::next(int timeout_ms, Frame* frame) {
-  if (held_) {
-    const TakenBuffer seen = *held_;
-    held_.reset();
+  if (taken_) {
+    const TakenBuffer seen = *taken_;
+    taken_.reset();
     give_back(seen);
   }
   if (!stream_.is_open()) {
@@ -261,7 +262,7 @@ Arrival V4l2Camera::next(int timeout_ms, Frame* frame) {
     waited_ns_ += calls_.now_ns() - before_ns;
     if (stream_.is_open() && waited_ns_ > options_.silence_max_ns) {
       end_stream(TakeResult::kBroken);
-      say("silent", stream_.path());
+      set_state("silent", stream_.path());
     }
     return Arrival::kNothing;
   }

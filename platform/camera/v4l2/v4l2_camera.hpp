@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <optional>
 
+#include "base/earlier_times.hpp"
 #include "base/fixed_vector.hpp"
-#include "base/time_doubt.hpp"
 #include "camera/live_camera.hpp"
 #include "camera/v4l2/convert.hpp"
 #include "camera/v4l2/device_stream.hpp"
@@ -16,7 +16,7 @@
 namespace polhode::platform {
 
 struct V4l2Options {
-  DeviceWish wish;
+  DeviceRequest request;
   std::int64_t exposure_ns = 0;      ///< set at start; 0: as the device has it
   double gain = -1.0;                ///< fraction of the control's range; below 0: as it is
   std::int64_t readout_ns = 0;       ///< end of exposure to the time stamp
@@ -24,7 +24,7 @@ struct V4l2Options {
   int backlog_frames_max =
       1;  ///< filled buffers that may wait; beyond it the oldest are passed over
   std::int64_t silence_max_ns =
-      2'000'000'000;  ///< a stream that brings nothing for so long is opened anew
+      2'000'000'000;  ///< a stream without frames for this long is opened again
 };
 
 class V4l2Camera final : public LiveCamera {
@@ -39,10 +39,10 @@ class V4l2Camera final : public LiveCamera {
   /// No longer than the time from frame to frame.
   [[nodiscard]] CameraExposure exposure() const override;
 
-  /// One attempt, at once. Called at start, so that a device that will never do is refused there.
-  /// The device that streamed first is the camera from then on: one that was unplugged may come
-  /// back under another number (its own is taken as long as somebody holds the old node), and is
-  /// looked for there; another device is not taken.
+  /// One attempt, at once. Called at start, so that an unusable device is refused there. The device
+  /// that streamed first is the camera from then on. One that was unplugged may return under
+  /// another number (its own is taken as long as a process has the old node open), and is searched
+  /// for there; another device is not taken.
   OpenResult open();
   [[nodiscard]] const DeviceStream& stream() const { return stream_; }
 
@@ -57,7 +57,7 @@ class V4l2Camera final : public LiveCamera {
   void end_stream(TakeResult why);
   [[nodiscard]] std::int64_t filled_ns(const TakenBuffer& buffer) const;
   [[nodiscard]] std::int64_t exposure_at(std::int64_t stamp_ns) const;
-  void say(const char* what, std::string_view detail);
+  void set_state(const char* what, std::string_view detail);
 
   DeviceCalls& calls_;
   V4l2Options options_;
@@ -66,7 +66,7 @@ class V4l2Camera final : public LiveCamera {
   OfferedFormat first_format_;
   DeviceIdentity first_identity_;
   FixedVector<TakenBuffer, kDeviceBuffers> ready_;  ///< oldest first
-  std::optional<TakenBuffer> held_;                 ///< the estimator looks at it
+  std::optional<TakenBuffer> taken_;                ///< the estimator looks at it
   SequenceWatch sequence_;
   Backoff backoff_;
   std::int64_t waited_ns_ =
@@ -75,7 +75,7 @@ class V4l2Camera final : public LiveCamera {
   std::int64_t exposure_changed_ns_ = INT64_MIN;
   std::int64_t available_ns_ = 0;
   std::int64_t last_timestamp_ns_ = INT64_MIN;
-  TimeDoubt time_doubt_;
+  EarlierTimes earlier_times_;
   CameraCounters counters_;
   std::array<char, 200> state_{};
 };

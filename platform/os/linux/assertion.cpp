@@ -4,14 +4,14 @@
 
 namespace polhode::platform {
 
-void tell_assertion(const AssertionReport& report) {
-  tell_last("polhode: %s:%d: assertion failed: %s (%.17g); the run ends here\n",
-            report.file,
-            report.line,
-            report.expression,
-            report.value);
+void print_assertion(const AssertionReport& report) {
+  print_last("polhode: %s:%d: assertion failed: %s (%.17g); the run ends here\n",
+             report.file,
+             report.line,
+             report.expression,
+             report.value);
 }
 
-void tell_assertions() { set_assertion_hook(tell_assertion); }
+void print_assertions() { set_assertion_hook(print_assertion); }
 
 }  // namespace polhode::platform

@@ -1,4 +1,4 @@
-// What an assertion of the component that fails leaves behind.
+// Reports a failed assertion of the component on stderr.
 #pragma once
 
 #include "base/assert.hpp"
@@ -7,9 +7,9 @@ namespace polhode::platform {
 
 /// From now on the place, the expression and the value go to stderr before the process is aborted.
 /// Takes no memory.
-void tell_assertions();
+void print_assertions();
 
-/// What is then said.
-void tell_assertion(const AssertionReport& report);
+/// Prints the report.
+void print_assertion(const AssertionReport& report);
 
 }  // namespace polhode::platform

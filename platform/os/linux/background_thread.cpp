@@ -14,7 +14,7 @@ void* BackgroundThread::main(void* call) {
 }
 
 void BackgroundThread::start(void (*work)(void* context), void* context) {
-  constexpr std::size_t kStackOctets = std::size_t{256} << 10U;
+  constexpr std::size_t kStackBytes = std::size_t{256} << 10U;
   call_ = {.work = work, .context = context};
   // The thread inherits the mask: a signal then ends the frame loop's waits, not this thread's.
   sigset_t all;
@@ -23,7 +23,7 @@ void BackgroundThread::start(void (*work)(void* context), void* context) {
   pthread_sigmask(SIG_SETMASK, &all, &before);
   pthread_attr_t attributes;
   pthread_attr_init(&attributes);
-  pthread_attr_setstacksize(&attributes, kStackOctets);
+  pthread_attr_setstacksize(&attributes, kStackBytes);
   const int refused = pthread_create(&thread_, &attributes, &BackgroundThread::main, &call_);
   pthread_attr_destroy(&attributes);
   pthread_sigmask(SIG_SETMASK, &before, nullptr);

@@ -12,7 +12,7 @@ class BackgroundThread {
   BackgroundThread(const BackgroundThread&) = delete;
   BackgroundThread& operator=(const BackgroundThread&) = delete;
 
-  /// @param work runs until it returns; the caller tells it to, and then joins.
+  /// @param work runs until it returns; the caller signals it to end, and then joins.
   /// @throws RunFailure when there is no thread to be had.
   void start(void (*work)(void* context), void* context);
   void join();

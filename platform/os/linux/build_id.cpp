@@ -12,20 +12,20 @@ namespace {
 
 constexpr std::size_t kAlignment = 4;  // of a note's name and content
 
-std::size_t aligned(std::size_t octets) {
-  return (octets + kAlignment - 1) / kAlignment * kAlignment;
+std::size_t aligned(std::size_t bytes) {
+  return (bytes + kAlignment - 1) / kAlignment * kAlignment;
 }
 
 /// Looks through one segment of notes.
-void take_from(const std::uint8_t* notes, std::size_t octets, BuildId* id) {
+void take_from(const std::uint8_t* notes, std::size_t bytes, BuildId* id) {
   constexpr char kName[] = "GNU";
   ElfW(Nhdr) note;
-  for (std::size_t at = 0; at + sizeof note <= octets;) {
+  for (std::size_t at = 0; at + sizeof note <= bytes;) {
     std::memcpy(&note, notes + at, sizeof note);
     const std::size_t name = at + sizeof note;
     const std::size_t content = name + aligned(note.n_namesz);
     const std::size_t end = content + aligned(note.n_descsz);
-    if (end > octets) {
+    if (end > bytes) {
       return;
     }
     if (note.n_type == NT_GNU_BUILD_ID && note.n_namesz == sizeof kName &&

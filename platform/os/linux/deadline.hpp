@@ -6,8 +6,8 @@
 
 namespace polhode::platform {
 
-/// Counts steps that took longer than a frame has time. What follows from it is the caller's: a
-/// late result never changes a packet, it only makes the next camera frame wait or be dropped.
+/// Counts steps that took longer than a frame interval. The caller decides what follows: a late
+/// result never changes a packet, it only makes the next camera frame wait or be dropped.
 class DeadlineMonitor {
  public:
   /// @param frame_ms  time of a step; 0: none is set.

@@ -14,8 +14,8 @@ namespace polhode::platform {
 /// has. Else UnusableInput: starting again changes nothing.
 [[noreturn]] void fail_at_start(const std::string& what, int error);
 
-/// The same for an open() that failed. Where the file is another user's, that is said, too: one
-/// that root left behind is in the way of a service that runs as a user of its own.
+/// The same for an open() that failed. The message names another user that owns the file: a file
+/// left by root blocks a service that runs as another user.
 [[noreturn]] void fail_to_open(const std::filesystem::path& file,
                                const std::string& what,
                                int error);

@@ -16,7 +16,7 @@
 namespace polhode::platform {
 namespace {
 
-/// "1: FLOCK  ADVISORY  WRITE 1234 08:01:5678 0 EOF" is a line of it. 0: it does not tell.
+/// "1: FLOCK  ADVISORY  WRITE 1234 08:01:5678 0 EOF" is a line of it. 0: not found.
 int holder_of(int descriptor) {
   struct stat status {};
   if (::fstat(descriptor, &status) != 0) {

@@ -11,7 +11,7 @@ namespace polhode::platform {
 /// Takes the lock on an open file or folder, which goes with its descriptor, however the process
 /// ends. Never waits.
 /// @param what  names it in what is thrown.
-/// @throws RunFailure: another process has it, with that one's pid where the kernel tells, or the
+/// @throws RunFailure: another process has it, with its pid where the kernel gives it, or the
 /// system cannot lock it. Both may pass: the other process ends one day.
 void lock_file(int descriptor, const std::string& what);
 

@@ -1,4 +1,4 @@
-// What is left to say when the program has to end.
+// A last message on stderr when the program has to end.
 #pragma once
 
 #include <unistd.h>
@@ -10,8 +10,8 @@
 
 namespace polhode::platform {
 
-/// One line to stderr, by printf's rules, cut after 400 octets. Takes no memory.
-[[gnu::format(printf, 1, 2)]] inline void tell_last(const char* format, ...) {
+/// One line to stderr, by printf's rules, cut after 400 bytes. Takes no memory.
+[[gnu::format(printf, 1, 2)]] inline void print_last(const char* format, ...) {
   char text[400];
   std::va_list values;
   va_start(values, format);

@@ -1,5 +1,4 @@
-// What third-party libraries would do on their own, by the machine that they find, switched off
-// before anything else runs.
+// Switches off what third-party libraries would choose by the machine, before anything else runs.
 #pragma once
 
 namespace polhode::platform {

@@ -9,9 +9,9 @@
 namespace polhode::platform {
 
 std::string take_priority(int priority) {
-  sched_param wished{};
-  wished.sched_priority = priority;
-  if (::sched_setscheduler(0, SCHED_FIFO, &wished) == 0) {  // 0: of this thread alone
+  sched_param requested{};
+  requested.sched_priority = priority;
+  if (::sched_setscheduler(0, SCHED_FIFO, &requested) == 0) {  // 0: of this thread alone
     return {};
   }
   const std::string reason = std::generic_category().message(errno);
@@ -22,11 +22,11 @@ std::string take_priority(int priority) {
 }
 
 std::string take_core(int core) {
-  cpu_set_t wished;
-  CPU_ZERO(&wished);
+  cpu_set_t requested;
+  CPU_ZERO(&requested);
   CPU_SET(static_cast<unsigned>(core),
-          &wished);  // one that a set has no room for is left out, and refused below
-  if (::sched_setaffinity(0, sizeof wished, &wished) == 0) {
+          &requested);  // one that a set has no room for is left out, and refused below
+  if (::sched_setaffinity(0, sizeof requested, &requested) == 0) {
     return {};
   }
   return "not bound to core " + std::to_string(core) + ": " +

@@ -34,7 +34,7 @@ ServiceManager::ServiceManager() {
   if (path[0] == '@') {
     address_.sun_path[0] = '\0';  // a name that is no file
   }
-  address_octets_ = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + length);
+  address_bytes_ = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + length);
   watchdog_ns_ = watchdog_from_environment();
 }
 
@@ -45,28 +45,28 @@ ServiceManager::~ServiceManager() {
 }
 
 /// Never waits: a manager that does not listen must not hold the run up.
-void ServiceManager::tell(std::string_view text) {
+void ServiceManager::notify(std::string_view text) {
   if (socket_ >= 0) {
     (void)::sendto(socket_,
                    text.data(),
                    text.size(),
                    MSG_NOSIGNAL | MSG_DONTWAIT,
                    reinterpret_cast<const sockaddr*>(&address_),
-                   address_octets_);
+                   address_bytes_);
   }
 }
 
 void ServiceManager::status(std::string_view line) {
   char text[256];
-  const int octets =
+  const int bytes =
       std::snprintf(text, sizeof text, "STATUS=%.*s", static_cast<int>(line.size()), line.data());
-  tell({text, std::min(static_cast<std::size_t>(std::max(octets, 0)), sizeof text - 1)});
+  notify({text, std::min(static_cast<std::size_t>(std::max(bytes, 0)), sizeof text - 1)});
 }
 
 void ServiceManager::progress(std::int64_t now_ns) {
-  if (watchdog_ns_ > 0 && now_ns - told_ns_ >= watchdog_ns_ / 4) {
-    told_ns_ = now_ns;
-    tell("WATCHDOG=1");
+  if (watchdog_ns_ > 0 && now_ns - notified_ns_ >= watchdog_ns_ / 4) {
+    notified_ns_ = now_ns;
+    notify("WATCHDOG=1");
   }
 }
 

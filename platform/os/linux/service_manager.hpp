@@ -1,4 +1,4 @@
-// What a service manager (systemd) is told: that the run is ready, that it makes progress, what it
+// Notifications to a service manager (systemd): the run is ready, it makes progress, what it
 // is doing, that it stops. Without one, nothing.
 #pragma once
 
@@ -18,24 +18,24 @@ class ServiceManager {
   ServiceManager(const ServiceManager&) = delete;
   ServiceManager& operator=(const ServiceManager&) = delete;
 
-  void ready() { tell("READY=1\nSTATUS=running"); }
-  void stopping() { tell("STOPPING=1\nSTATUS=stopping"); }
+  void ready() { notify("READY=1\nSTATUS=running"); }
+  void stopping() { notify("STOPPING=1\nSTATUS=stopping"); }
   void status(std::string_view line);
-  /// Strokes the watchdog. To be called after real progress and never else; told on when a quarter
-  /// of the watchdog's time has passed since the last.
+  /// Notifies the watchdog. To be called after real progress and never else; sent on once a quarter
+  /// of the watchdog's time has passed since the last notification.
   void progress(std::int64_t now_ns);
 
-  /// 0: nobody watches.
+  /// 0: there is no watchdog.
   [[nodiscard]] std::int64_t watchdog_ns() const { return watchdog_ns_; }
 
  private:
-  void tell(std::string_view text);
+  void notify(std::string_view text);
 
   int socket_ = -1;
   sockaddr_un address_{};
-  socklen_t address_octets_ = 0;
+  socklen_t address_bytes_ = 0;
   std::int64_t watchdog_ns_ = 0;
-  std::int64_t told_ns_ = 0;
+  std::int64_t notified_ns_ = 0;
 };
 
 }  // namespace polhode::platform

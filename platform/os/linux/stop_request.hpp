@@ -1,4 +1,4 @@
-// SIGTERM and SIGINT ask the run to stop; it does so between two frames.
+// SIGTERM and SIGINT request the run to stop; it does so between two frames.
 #pragma once
 
 namespace polhode::platform {

@@ -73,8 +73,8 @@ Worker::~Worker() {
 void Worker::start_thread() {
   pthread_attr_t attributes;
   pthread_attr_init(&attributes);
-  // Said explicitly: the default is the shell's limit, 8 MB and more of address space a thread.
-  pthread_attr_setstacksize(&attributes, options_.stack_octets);
+  // Set explicitly: the default is the shell's limit, 8 MB and more of address space a thread.
+  pthread_attr_setstacksize(&attributes, options_.stack_bytes);
   const int problem = pthread_create(&thread_, &attributes, thread_main, this);
   pthread_attr_destroy(&attributes);
   if (problem != 0) {
@@ -91,8 +91,8 @@ void Worker::start_thread() {
     state_.bound_to_core = pthread_setaffinity_np(thread_, sizeof wanted, &wanted) == 0;
   }
   if (options_.priority > 0) {
-    const sched_param wished{.sched_priority = options_.priority};
-    state_.real_time = pthread_setschedparam(thread_, SCHED_FIFO, &wished) == 0;
+    const sched_param requested{.sched_priority = options_.priority};
+    state_.real_time = pthread_setschedparam(thread_, SCHED_FIFO, &requested) == 0;
   }
 }
 
@@ -101,10 +101,10 @@ void* Worker::thread_main(void* worker) {
   return nullptr;
 }
 
-Worker::Held* Worker::next() {
-  Held* const found =
-      std::find_if(held_.begin(), held_.end(), [](const Held& held) { return !held.done; });
-  return found == held_.end() ? nullptr : found;
+Worker::Entry* Worker::next() {
+  Entry* const found = std::find_if(
+      entries_.begin(), entries_.end(), [](const Entry& entry) { return !entry.done; });
+  return found == entries_.end() ? nullptr : found;
 }
 
 void Worker::serve() {
@@ -129,7 +129,7 @@ void Worker::serve() {
 
 bool Worker::admitted() const {
   return !memory_is_sealed() || !memory_is_fixed() ||
-         pool_use(Pool::kJobs).largest_free_octets >= options_.job_octets;
+         pool_use(Pool::kJobs).largest_free_bytes >= options_.job_bytes;
 }
 
 Worker::Duration Worker::run(Job* job) {
@@ -154,24 +154,25 @@ void Worker::submit(const Jobs& jobs) {
     const Duration duration = state_.own_thread ? Duration{} : run(job);
     const Lock lock(mutex_);
     const bool stored =
-        held_.push_back({.job = job, .done = !state_.own_thread, .duration = duration});
-    POLHODE_ASSERT(stored, held_.size());
+        entries_.push_back({.job = job, .done = !state_.own_thread, .duration = duration});
+    POLHODE_ASSERT(stored, entries_.size());
     pthread_cond_broadcast(&changed_);
   }
 }
 
 bool Worker::late_for(std::uint32_t step) {
   const Lock lock(mutex_);
-  return std::any_of(held_.begin(), held_.end(), [&](const Held& held) {
-    return !held.done && step >= due_step(*held.job);
+  return std::any_of(entries_.begin(), entries_.end(), [&](const Entry& entry) {
+    return !entry.done && step >= due_step(*entry.job);
   });
 }
 
 /// With the lock held.
 void Worker::wait_until_done(const Job* job) {
   const auto is_done = [&] {
-    return std::any_of(
-        held_.begin(), held_.end(), [&](const Held& held) { return held.job == job && held.done; });
+    return std::any_of(entries_.begin(), entries_.end(), [&](const Entry& entry) {
+      return entry.job == job && entry.done;
+    });
   };
   while (!is_done()) {
     pthread_cond_wait(&changed_, &mutex_);
@@ -182,26 +183,26 @@ Jobs Worker::due(std::uint32_t step) {
   Jobs finished;
   durations_.clear();
   const Lock lock(mutex_);
-  for (std::size_t i = 0; i < held_.size();) {
-    Job* const job = held_[i].job;
+  for (std::size_t i = 0; i < entries_.size();) {
+    Job* const job = entries_[i].job;
     if (step < due_step(*job)) {
       ++i;
       continue;
     }
     wait_until_done(job);
     (void)finished.push_back(job);
-    (void)durations_.push_back(held_[i].duration);
-    held_.erase(i);
+    (void)durations_.push_back(entries_[i].duration);
+    entries_.erase(i);
   }
   return finished;
 }
 
 void Worker::finish() {
   const Lock lock(mutex_);
-  for (std::size_t i = 0; i < held_.size(); ++i) {
-    wait_until_done(held_[i].job);
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    wait_until_done(entries_[i].job);
   }
-  held_.clear();
+  entries_.clear();
 }
 
 }  // namespace polhode::platform

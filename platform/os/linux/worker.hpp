@@ -14,8 +14,8 @@
 namespace polhode::platform {
 
 struct WorkerOptions {
-  bool own_thread = true;  ///< false: a job is run where it is asked for, on the caller's thread
-  std::size_t stack_octets = std::size_t{2} << 20;  ///< the solvers take under 1 MB of it
+  bool own_thread = true;  ///< false: a job runs on the caller's thread, at once
+  std::size_t stack_bytes = std::size_t{2} << 20;  ///< the solvers take under 1 MB of it
   int core = 1;  ///< that the thread is bound to where the machine has it
   /// Real-time priority (SCHED_FIFO) of the thread where the machine grants it; 0: an ordinary one.
   /// Under that of the steps' thread, which comes first where both want one core.
@@ -24,10 +24,10 @@ struct WorkerOptions {
   std::uint32_t latency_ms_max = 0;
   /// A job is only begun when its pool has this much in one piece: libraries do not survive
   /// without.
-  std::size_t job_octets = 0;
+  std::size_t job_bytes = 0;
 };
 
-/// What the thread got of what it asked for.
+/// Which of its requests the thread was granted.
 struct WorkerState {
   bool own_thread = false;
   bool bound_to_core = false;
@@ -58,7 +58,7 @@ class Worker {
   /// The jobs that name this step, run to their end: waits for them.
   Jobs due(std::uint32_t step);
 
-  /// Waits for what is not done yet; no job is then the worker's.
+  /// Waits for unfinished jobs; no job is then the worker's.
   void finish();
 
   [[nodiscard]] const WorkerState& state() const { return state_; }
@@ -67,7 +67,7 @@ class Worker {
 
  private:
   /// A job that was submitted and not yet handed back.
-  struct Held {
+  struct Entry {
     Job* job = nullptr;
     bool done = false;
     Duration duration{};
@@ -77,7 +77,7 @@ class Worker {
   void serve();
   [[nodiscard]] bool admitted() const;
   /// The first job that is not done; nullptr when all are.
-  [[nodiscard]] Held* next();
+  [[nodiscard]] Entry* next();
   Duration run(Job* job);
   void start_thread();
   void wait_until_done(const Job* job);
@@ -87,8 +87,8 @@ class Worker {
   pthread_t thread_{};
   pthread_mutex_t mutex_{};
   pthread_cond_t changed_{};
-  FixedVector<Held, Jobs::capacity()>
-      held_;  ///< in order of their coming; slots move under the lock only
+  FixedVector<Entry, Jobs::capacity()>
+      entries_;  ///< in order of their coming; slots move under the lock only
   bool stop_ = false;
   std::uint32_t runs_ = 0;
   Durations durations_;

@@ -184,10 +184,10 @@ void DatagramSender::send(std::span<const std::uint8_t> packet) {
 
 DatagramReceiver::DatagramReceiver(const Address& address)
     : socket_(open_socket(address.kind)), is_unix_(address.kind == AddressKind::kUnix) {
-  const int tell = 1;
+  const int enable = 1;
   if (is_unix_) {
     // With each datagram, who sent it. Before the address is there: none comes without.
-    if (::setsockopt(socket_.get(), SOL_SOCKET, SO_PASSCRED, &tell, sizeof tell) != 0) {
+    if (::setsockopt(socket_.get(), SOL_SOCKET, SO_PASSCRED, &enable, sizeof enable) != 0) {
       fail_at_start(address.text + ": senders stay unknown", errno);
     }
     bind_unix(socket_.get(), address);
@@ -195,7 +195,7 @@ DatagramReceiver::DatagramReceiver(const Address& address)
     return;
   }
   // With each datagram, how many the system has dropped before it.
-  (void)::setsockopt(socket_.get(), SOL_SOCKET, SO_RXQ_OVFL, &tell, sizeof tell);
+  (void)::setsockopt(socket_.get(), SOL_SOCKET, SO_RXQ_OVFL, &enable, sizeof enable);
   if (::bind(socket_.get(), as_socket_address(&address.udp), sizeof address.udp) != 0) {
     fail_at_start(address.text + ": cannot be bound", errno);
   }
@@ -210,21 +210,21 @@ std::optional<Received> DatagramReceiver::next(std::span<std::uint8_t> into) {
   message.msg_iovlen = 1;
   message.msg_control = beside.data();
   // A file that somebody sends along is closed by the system where there is no room for it beside:
-  // only for what this socket asked for.
+  // only for options that this socket has set.
   message.msg_controllen = is_unix_ ? CMSG_SPACE(sizeof(ucred)) : CMSG_SPACE(sizeof dropped_);
   const ssize_t got = ::recvmsg(socket_.get(), &message, MSG_DONTWAIT | MSG_CMSG_CLOEXEC);
   if (got < 0) {
-    return std::nullopt;  // an error of a sender's (ECONNREFUSED) says nothing to a receiver
+    return std::nullopt;  // an error of a sender (ECONNREFUSED) does not concern a receiver
   }
   Received received{.octets = static_cast<std::size_t>(got)};
-  for (cmsghdr* told = CMSG_FIRSTHDR(&message); told != nullptr;
-       told = CMSG_NXTHDR(&message, told)) {
-    if (told->cmsg_level == SOL_SOCKET && told->cmsg_type == SO_RXQ_OVFL) {
-      std::memcpy(&dropped_, CMSG_DATA(told), sizeof dropped_);
-    } else if (told->cmsg_level == SOL_SOCKET && told->cmsg_type == SCM_CREDENTIALS) {
+  for (cmsghdr* control = CMSG_FIRSTHDR(&message); control != nullptr;
+       control = CMSG_NXTHDR(&message, control)) {
+    if (control->cmsg_level == SOL_SOCKET && control->cmsg_type == SO_RXQ_OVFL) {
+      std::memcpy(&dropped_, CMSG_DATA(control), sizeof dropped_);
+    } else if (control->cmsg_level == SOL_SOCKET && control->cmsg_type == SCM_CREDENTIALS) {
       ucred sender{};
-      std::memcpy(&sender, CMSG_DATA(told), sizeof sender);
-      received.told_uid = true;
+      std::memcpy(&sender, CMSG_DATA(control), sizeof sender);
+      received.uid_known = true;
       received.uid = sender.uid;
     }
   }

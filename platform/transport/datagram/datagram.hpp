@@ -39,22 +39,22 @@ class SocketFile {
 /// Has a sender an address of its own, that a reader can answer to?
 enum class SenderName : std::uint8_t { kNone, kBesideReader };
 
-/// What became of the packets handed to one transport.
+/// Counts of the packets handed to one transport.
 struct SendCounts {
   std::uint64_t sent = 0;
   std::uint64_t dropped = 0;    ///< the reader is there but has had no room for long
   std::uint64_t no_reader = 0;  ///< nobody has bound the address
 };
 
-/// Sends to one address. A reader may come, go and come back at any time; sending never waits for
-/// it and never fails: what it does not take is counted.
+/// Sends to one address. A reader may come and go at any time; sending never waits for it and never
+/// fails: datagrams that it does not take are counted.
 ///
 /// A Unix socket holds 10 datagrams of strangers (net.unix.max_dgram_qlen), which at 1000 packets a
 /// second is 10 ms of a reader that does not get the processor, and all that it gets each time it
 /// does. Of the one that it is connected to it holds what that one's send buffer allows (SO_SNDBUF,
 /// at most net.core.wmem_max), hundreds. So a sender has a name, PATH.sender, where it can be had,
 /// which this project's readers connect to. What finds the queue full waits here, in order, and
-/// goes with the next calls, kRetries a call so that a reader that comes back does not cost the
+/// goes with the next calls, kRetries a call so that a reader that returns does not cost the
 /// sender hundreds at once; kBacklog packets at most.
 class DatagramSender {
  public:
@@ -73,8 +73,8 @@ class DatagramSender {
   void flush();
   [[nodiscard]] const SendCounts& counts() const { return counts_; }
 
-  /// For a sender of a few commands, before the first: has the system tell when nobody has bound a
-  /// UDP address. A machine that is off, or that keeps silent, is not told of.
+  /// For a sender of a few commands, before the first: lets the system report if nobody has bound a
+  /// UDP address. A machine that is off or silent is not reported.
   void hear_refusals();
   /// Waits for such word for at most `wait_ms`.
   [[nodiscard]] bool refused(int wait_ms) const;
@@ -98,15 +98,15 @@ class DatagramSender {
   SendCounts counts_;
 };
 
-/// A datagram, and who sent it.
+/// A datagram, and its sender.
 struct Received {
   std::size_t octets = 0;
-  bool told_uid = false;  ///< by the system, of a Unix socket's
+  bool uid_known = false;  ///< by the system, of a Unix socket's
   uid_t uid = 0;
 };
 
 /// Receives command packets. A Unix socket's file belongs to its owner alone (mode 0600) and goes
-/// with the receiver; the system tells of each datagram which user sent it.
+/// with the receiver; the system reports for each datagram which user sent it.
 class DatagramReceiver {
  public:
   /// @throws UnusableInput when the address is in use or cannot be bound.
@@ -116,7 +116,7 @@ class DatagramReceiver {
   /// @return nothing when none waits. Never waits.
   std::optional<Received> next(std::span<std::uint8_t> into);
 
-  /// By the system for want of room, as far as it tells (UDP).
+  /// By the system for want of room, as far as it reports them (UDP).
   [[nodiscard]] std::uint32_t dropped() const { return dropped_; }
   [[nodiscard]] bool is_unix() const { return is_unix_; }
 

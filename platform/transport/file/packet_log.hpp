@@ -1,5 +1,5 @@
-// The packets of a live run, appended to one file step by step: what was published before a sudden
-// end is in it, and a run that starts anew goes on at its end.
+// The packets of a live run, appended to one file step by step: packets published before a sudden
+// end are in it, and a restarted run goes on at its end.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// The shared-memory ring: one writer, any number of readers that it does not know.
+// The shared-memory ring: one writer, any number of readers, which it does not count.
 //
 // Packet n (from 0) lies in slot n modulo the number of slots. A slot's version is 2n + 1 while
 // packet n is being written and 2n + 2 once it is whole. A reader copies the words one by one and

@@ -31,7 +31,7 @@ constexpr mode_t kOthers = S_IRWXG | S_IRWXO;
   fail_at_start(address.text + ": " + what, errno);
 }
 
-/// Does the name still stand for what was opened, or has another process put its own there?
+/// Does the name still refer to the opened memory, or has another process put its own there?
 bool is_at_its_name(int fd, const Address& address) {
   const Descriptor now(::shm_open(address.path.c_str(), O_RDONLY, 0));
   struct stat opened {};
@@ -49,7 +49,7 @@ Descriptor make_new(const Address& address) {
   return made;
 }
 
-/// What stands there already; nothing: it has just gone. Another user's is not touched.
+/// The memory of that name; nothing: it has just gone. Another user's is not touched.
 Descriptor open_present(const Address& address) {
   Descriptor present(::shm_open(address.path.c_str(), O_RDWR, 0));
   if (present.get() < 0 && errno != ENOENT) {
@@ -77,8 +77,8 @@ bool is_whole(const ring::Header& header) {
          header.words == ring::kWords;
 }
 
-/// Goes on in what an earlier writer of this user left. @return nullptr: it is of another size or
-/// layout, or was open to others, who may still have it.
+/// Continues the memory of an earlier writer of this user.
+/// @return nullptr: it is of another size or layout, or was open to others, who may still have it.
 Ring* take_over(int fd, const Address& address) {
   struct stat status {};
   if (!problem_of_owner(fd, kOthers).empty() || ::fstat(fd, &status) != 0 || status.st_nlink != 1 ||
@@ -125,7 +125,7 @@ RingWriter::RingWriter(const Address& address) {
     }
     ring_ = is_new ? fill_new(file_.get(), address) : take_over(file_.get(), address);
     if (ring_ == nullptr) {
-      ::shm_unlink(address.path.c_str());  // readers keep what they have mapped
+      ::shm_unlink(address.path.c_str());  // readers keep their mappings
     }
   }
   if (ring_ == nullptr) {

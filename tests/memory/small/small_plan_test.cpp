@@ -30,7 +30,7 @@ constexpr std::size_t kPixels = std::size_t{640} * 480;
 
 TEST(SmallPlan, HoldsAReplayOfFilesThatDoNotCompress) {
   const MachineNeeds needs{.rows = {{"the largest of the frames' files", kPixels + kPixels / 8}},
-                           .decoder_octets = 2 * kPixels};
+                           .decoder_bytes = 2 * kPixels};
   EXPECT_EQ(plan_memory(small_parameters(), needs).problem, "");
 }
 

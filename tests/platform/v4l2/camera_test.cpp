@@ -9,17 +9,17 @@ namespace {
 constexpr int kWait_ms = 20;
 
 V4l2Options options() {
-  return {.wish = {.path = "/dev/video9",
-                   .format = {.width_px = 64, .height_px = 48},
-                   .rate_hz = 10.0,
-                   .buffers = 4}};
+  return {.request = {.path = "/dev/video9",
+                      .format = {.width_px = 64, .height_px = 48},
+                      .rate_hz = 10.0,
+                      .buffers = 4}};
 }
 
 class V4l2CameraTest : public testing::Test {
  protected:
-  void take_frame(std::uint8_t level, std::uint32_t flags = 0, std::uint32_t octets_short = 0) {
+  void take_frame(std::uint8_t level, std::uint32_t flags = 0, std::uint32_t bytes_short = 0) {
     device.time_ns += 1'000'000;
-    ASSERT_TRUE(device.take_frame(level, flags, octets_short));
+    ASSERT_TRUE(device.take_frame(level, flags, bytes_short));
   }
 
   /// Calls until a frame comes, for at most `limit_ms` of the device's time.
@@ -219,7 +219,7 @@ TEST_F(V4l2CameraTest, WaitsForADeviceThatAnotherProgramHolds) {
   EXPECT_TRUE(frame_within(camera, 1500, &frame));
 }
 
-TEST_F(V4l2CameraTest, AStreamThatFallsSilentIsOpenedAnew) {
+TEST_F(V4l2CameraTest, AStreamThatFallsSilentIsOpenedAgain) {
   V4l2Camera camera(device, options());
   ASSERT_EQ(camera.open(), OpenResult::kStreaming);
   for (int i = 0; i < 200 && camera.counters().opened < 2; ++i) {

@@ -14,26 +14,26 @@ constexpr int kWidth = 5;
 constexpr int kHeight = 3;
 
 OfferedFormat format_of(std::uint32_t fourcc, std::uint32_t padding) {
-  const std::uint32_t row = row_octets_of(*find_packing(fourcc), kWidth) + padding;
+  const std::uint32_t row = row_bytes_of(*find_packing(fourcc), kWidth) + padding;
   return {.fourcc = fourcc,
           .width_px = kWidth,
           .height_px = kHeight,
-          .row_octets = row,
-          .image_octets = row * kHeight};
+          .row_bytes = row,
+          .image_bytes = row * kHeight};
 }
 
-/// Octets 1, 2, 3 ..., so that every position can be told from every other.
+/// Bytes 1, 2, 3 ..., so that every position can be distinguished from every other.
 std::vector<std::uint8_t> ramp(const OfferedFormat& format) {
-  std::vector<std::uint8_t> octets(format.image_octets);
-  for (std::size_t i = 0; i < octets.size(); ++i) {
-    octets[i] = static_cast<std::uint8_t>(1 + i);
+  std::vector<std::uint8_t> bytes(format.image_bytes);
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    bytes[i] = static_cast<std::uint8_t>(1 + i);
   }
-  return octets;
+  return bytes;
 }
 
 std::uint16_t pixel16(const ImageView& view, int u, int v) {
   std::uint16_t value = 0;
-  std::memcpy(&value, view.data + v * view.stride_octets + 2 * u, sizeof value);
+  std::memcpy(&value, view.data + v * view.stride_bytes + 2 * u, sizeof value);
   return value;
 }
 
@@ -43,7 +43,7 @@ TEST(Convert, GrayIsReadWhereItLies_PaddingAndAll) {
   ImageView view;
   ASSERT_TRUE(GrayConverter(format).convert(buffer, &view));
   EXPECT_EQ(view.data, buffer.data());
-  EXPECT_EQ(view.stride_octets, kWidth + 3);
+  EXPECT_EQ(view.stride_bytes, kWidth + 3);
   EXPECT_EQ(view.format, PixelFormat::kGray8);
 }
 
@@ -61,12 +61,12 @@ TEST(Convert, TenAndTwelveBitsFillTheUpperEnd) {
   for (const auto& [fourcc, bits] :
        {std::pair{V4L2_PIX_FMT_Y10, 10}, std::pair{V4L2_PIX_FMT_Y12, 12}}) {
     const OfferedFormat format = format_of(fourcc, 4);
-    std::vector<std::uint8_t> buffer(format.image_octets, 0xEE);  // padding that must not be seen
+    std::vector<std::uint8_t> buffer(format.image_bytes, 0xEE);  // padding that must not be seen
     const auto full = static_cast<std::uint16_t>((1 << bits) - 1);
     for (int v = 0; v < kHeight; ++v) {
       for (int u = 0; u < kWidth; ++u) {
         const auto value = static_cast<std::uint16_t>(full - 7 * u - v);
-        std::memcpy(&buffer[static_cast<std::size_t>(v) * format.row_octets +
+        std::memcpy(&buffer[static_cast<std::size_t>(v) * format.row_bytes +
                             2 * static_cast<std::size_t>(u)],
                     &value,
                     2);
@@ -75,7 +75,7 @@ TEST(Convert, TenAndTwelveBitsFillTheUpperEnd) {
     GrayConverter converter(format);
     ImageView view;
     ASSERT_TRUE(converter.convert(buffer, &view));
-    EXPECT_EQ(view.stride_octets, 2 * kWidth);
+    EXPECT_EQ(view.stride_bytes, 2 * kWidth);
     for (int v = 0; v < kHeight; ++v) {
       for (int u = 0; u < kWidth; ++u) {
         EXPECT_EQ(pixel16(view, u, v), (full - 7 * u - v) << (16 - bits)) << u << "," << v;
@@ -84,7 +84,7 @@ TEST(Convert, TenAndTwelveBitsFillTheUpperEnd) {
   }
 }
 
-TEST(Convert, LumaIsEveryOtherOctet) {
+TEST(Convert, LumaIsEveryOtherByte) {
   const OfferedFormat format = format_of(V4L2_PIX_FMT_YUYV, 1);
   const auto buffer = ramp(format);
   GrayConverter converter(format);
@@ -92,7 +92,7 @@ TEST(Convert, LumaIsEveryOtherOctet) {
   ASSERT_TRUE(converter.convert(buffer, &view));
   for (int v = 0; v < kHeight; ++v) {
     for (int u = 0; u < kWidth; ++u) {
-      EXPECT_EQ(view.data[v * view.stride_octets + u],
+      EXPECT_EQ(view.data[v * view.stride_bytes + u],
                 buffer[static_cast<std::size_t>(11 * v + 2 * u)]);
     }
   }
@@ -100,7 +100,7 @@ TEST(Convert, LumaIsEveryOtherOctet) {
 
 TEST(Convert, ColourBecomesLuminance) {
   const OfferedFormat format = format_of(V4L2_PIX_FMT_RGB24, 0);
-  std::vector<std::uint8_t> buffer(format.image_octets, 0);
+  std::vector<std::uint8_t> buffer(format.image_bytes, 0);
   const std::uint8_t colours[5][3] = {
       {255, 255, 255}, {255, 0, 0}, {0, 255, 0}, {0, 0, 255}, {10, 20, 30}};
   std::memcpy(buffer.data(), colours, sizeof colours);
@@ -113,7 +113,7 @@ TEST(Convert, ColourBecomesLuminance) {
   EXPECT_EQ(view.data[kWidth], 0);
 }
 
-TEST(Convert, ABufferThatEndsEarlyIsRefused_OneOctetDecides) {
+TEST(Convert, ABufferThatEndsEarlyIsRefused_OneByteDecides) {
   for (const auto& packing : pixel_packings()) {
     if (packing.packing == Packing::kCompressed) {
       continue;
@@ -135,9 +135,9 @@ TEST(Convert, LumaMayComeAfterItsChroma_AndBlueBeforeRed) {
   GrayConverter converter(format);
   ImageView view;
   ASSERT_TRUE(converter.convert(buffer, &view));
-  EXPECT_EQ(view.data[2 * view.stride_octets + 4], buffer[2 * 13 + 2 * 4 + 1]);
+  EXPECT_EQ(view.data[2 * view.stride_bytes + 4], buffer[2 * 13 + 2 * 4 + 1]);
   const OfferedFormat colour = format_of(V4L2_PIX_FMT_BGR24, 0);
-  std::vector<std::uint8_t> red(colour.image_octets, 0);
+  std::vector<std::uint8_t> red(colour.image_bytes, 0);
   red[2] = 255;
   GrayConverter of_colour(colour);
   ASSERT_TRUE(of_colour.convert(red, &view));
@@ -157,7 +157,7 @@ TEST(Convert, APlaneOfLumaIsReadWhereItLies_ChromaBehindItOrNot) {
     ImageView view;
     ASSERT_TRUE(GrayConverter(format).convert(buffer, &view));
     EXPECT_EQ(view.data, buffer.data());
-    EXPECT_EQ(view.stride_octets, kWidth + 3);
+    EXPECT_EQ(view.stride_bytes, kWidth + 3);
     EXPECT_EQ(view.format, PixelFormat::kGray8);
   }
 }
@@ -165,21 +165,21 @@ TEST(Convert, APlaneOfLumaIsReadWhereItLies_ChromaBehindItOrNot) {
 /// Packs by the definition: upper eight bits of each pixel of a group, then the lower bits of all,
 /// the first pixel's at the lowest place.
 std::vector<std::uint8_t> packed(const std::vector<unsigned>& values, const PixelPacking& packing) {
-  std::vector<std::uint8_t> octets;
+  std::vector<std::uint8_t> bytes;
   const auto low_bits = static_cast<unsigned>(packing.bits) - 8U;
   for (std::size_t first = 0; first < values.size();
        first += static_cast<std::size_t>(packing.group_pixels)) {
     std::uint64_t lows = 0;
     for (unsigned i = 0; i < static_cast<unsigned>(packing.group_pixels); ++i) {
       const unsigned value = first + i < values.size() ? values[first + i] : 0U;
-      octets.push_back(static_cast<std::uint8_t>(value >> low_bits));
+      bytes.push_back(static_cast<std::uint8_t>(value >> low_bits));
       lows |= std::uint64_t{value & ((1U << low_bits) - 1U)} << (low_bits * i);
     }
-    for (int k = packing.group_pixels; k < packing.group_octets; ++k, lows >>= 8U) {
-      octets.push_back(static_cast<std::uint8_t>(lows));
+    for (int k = packing.group_pixels; k < packing.group_bytes; ++k, lows >>= 8U) {
+      bytes.push_back(static_cast<std::uint8_t>(lows));
     }
   }
-  return octets;
+  return bytes;
 }
 
 TEST(Convert, PackedBitsFillTheUpperEnd) {
@@ -195,7 +195,7 @@ TEST(Convert, PackedBitsFillTheUpperEnd) {
       }
       const std::vector<std::uint8_t> row = packed(values, packing);
       buffer.insert(buffer.end(), row.begin(), row.end());
-      buffer.resize((v + 1) * format.row_octets, 0xEE);  // padding that must not be seen
+      buffer.resize((v + 1) * format.row_bytes, 0xEE);  // padding that must not be seen
     }
     GrayConverter converter(format);
     ImageView view;
@@ -230,9 +230,9 @@ class Jpeg : public testing::Test {
     }
     tjhandle coder = tjInitCompress();
     unsigned char* out = nullptr;
-    unsigned long octets = 0;
-    tjCompress2(coder, gray.data(), kSide, 0, kSide, TJPF_GRAY, &out, &octets, TJSAMP_GRAY, 95, 0);
-    file_.assign(out, out + octets);
+    unsigned long bytes = 0;
+    tjCompress2(coder, gray.data(), kSide, 0, kSide, TJPF_GRAY, &out, &bytes, TJSAMP_GRAY, 95, 0);
+    file_.assign(out, out + bytes);
     tjFree(out);
     tjDestroy(coder);
   }
@@ -241,8 +241,8 @@ class Jpeg : public testing::Test {
     return {.fourcc = V4L2_PIX_FMT_MJPEG,
             .width_px = side,
             .height_px = side,
-            .row_octets = 0,
-            .image_octets = 100'000};
+            .row_bytes = 0,
+            .image_bytes = 100'000};
   }
 
   std::vector<std::uint8_t> file_;
@@ -254,7 +254,7 @@ TEST_F(Jpeg, IsDecodedToGray) {
   ASSERT_TRUE(converter.convert(file_, &view));
   for (int v = 0; v < kSide; v += 9) {
     for (int u = 0; u < kSide; u += 7) {
-      EXPECT_NEAR(view.data[v * view.stride_octets + u], 2 * v + u, 3);  // of quality 95
+      EXPECT_NEAR(view.data[v * view.stride_bytes + u], 2 * v + u, 3);  // of quality 95
     }
   }
 }

@@ -7,7 +7,7 @@
 namespace polhode::platform::device_stream_test {
 namespace {
 
-DeviceWish wish() {
+DeviceRequest request() {
   return {.path = "/dev/video9",
           .format = {.width_px = 64, .height_px = 48},
           .rate_hz = 10.0,
@@ -69,12 +69,12 @@ const Opening kOpenings[] = {
      OpenResult::kAbsent},
 };
 
-TEST(DeviceStream, SaysWhyItCannotOpen_AndLeavesNothingBehind) {
+TEST(DeviceStream, ReportsWhyItCannotOpen_AndLeavesNothingBehind) {
   for (const Opening& opening : kOpenings) {
     FakeDevice device;
     opening.fault(device);
     {
-      DeviceStream stream(device, wish());
+      DeviceStream stream(device, request());
       EXPECT_EQ(stream.open(), opening.expected) << opening.what;
       EXPECT_FALSE(stream.is_open()) << opening.what;
       EXPECT_NE(stream.trouble().find("/dev/video9"), std::string_view::npos) << opening.what;
@@ -86,7 +86,7 @@ TEST(DeviceStream, SaysWhyItCannotOpen_AndLeavesNothingBehind) {
 
 TEST(DeviceStream, ChecksADeviceWithoutStreaming) {
   FakeDevice device;
-  DeviceStream stream(device, wish());
+  DeviceStream stream(device, request());
   EXPECT_EQ(stream.check(), OpenResult::kStreaming);
   EXPECT_EQ(device.open_now, 0);
   EXPECT_EQ(device.mapped_now, 0U);
@@ -99,7 +99,7 @@ TEST(DeviceStream, ChecksADeviceWithoutStreaming) {
 TEST(DeviceStream, AfterAFaultHasPassedItOpens) {
   FakeDevice device;
   device.answers[VIDIOC_STREAMON] = -EINVAL;
-  DeviceStream stream(device, wish());
+  DeviceStream stream(device, request());
   EXPECT_EQ(stream.open(), OpenResult::kFailed);
   device.answers.clear();
   EXPECT_EQ(stream.open(), OpenResult::kStreaming);
@@ -111,7 +111,7 @@ TEST(DeviceStream, WithoutRateOrControlsItStreamsAllTheSame) {
   FakeDevice device;
   device.answers[VIDIOC_S_PARM] = -ENOTTY;
   device.has_exposure = false;
-  DeviceStream stream(device, wish());
+  DeviceStream stream(device, request());
   ASSERT_EQ(stream.open(), OpenResult::kStreaming);
   EXPECT_EQ(stream.rate_hz(), 0.0);
   EXPECT_FALSE(stream.set_exposure(1'000'000));
@@ -120,15 +120,15 @@ TEST(DeviceStream, WithoutRateOrControlsItStreamsAllTheSame) {
 
 TEST(DeviceStream, TakesBuffersInOrder_AndTheDeviceUsesThemAgain) {
   FakeDevice device;
-  DeviceStream stream(device, wish());
+  DeviceStream stream(device, request());
   ASSERT_EQ(stream.open(), OpenResult::kStreaming);
   EXPECT_DOUBLE_EQ(stream.rate_hz(), 10.0);
   for (std::uint8_t round = 1; round <= 20; ++round) {
     ASSERT_TRUE(device.take_frame(round));
     TakenBuffer taken;
     ASSERT_EQ(stream.take(100, &taken), TakeResult::kBuffer);
-    EXPECT_EQ(taken.octets.size(), 64U * 48U);
-    EXPECT_EQ(taken.octets[100], round);
+    EXPECT_EQ(taken.bytes.size(), 64U * 48U);
+    EXPECT_EQ(taken.bytes[100], round);
     EXPECT_EQ(taken.sequence, round - 1U);
     EXPECT_EQ(taken.stamp_ns, device.time_ns);
     EXPECT_FALSE(taken.damaged);
@@ -137,9 +137,9 @@ TEST(DeviceStream, TakesBuffersInOrder_AndTheDeviceUsesThemAgain) {
   EXPECT_EQ(device.queued(), 4U);
 }
 
-TEST(DeviceStream, WaitsNoLongerThanToldTo) {
+TEST(DeviceStream, WaitsNoLongerThanRequested) {
   FakeDevice device;
-  DeviceStream stream(device, wish());
+  DeviceStream stream(device, request());
   ASSERT_EQ(stream.open(), OpenResult::kStreaming);
   const std::int64_t before_ns = device.time_ns;
   TakenBuffer taken;
@@ -149,9 +149,9 @@ TEST(DeviceStream, WaitsNoLongerThanToldTo) {
   EXPECT_EQ(device.time_ns - before_ns, 40'000'000);
 }
 
-TEST(DeviceStream, TellsAFatalErrorFromADeviceThatIsGone) {
+TEST(DeviceStream, SeparatesAFatalErrorFromADeviceThatIsGone) {
   FakeDevice device;
-  DeviceStream stream(device, wish());
+  DeviceStream stream(device, request());
   TakenBuffer taken;
   ASSERT_EQ(stream.open(), OpenResult::kStreaming);
   device.failed = true;
@@ -167,7 +167,7 @@ TEST(DeviceStream, TellsAFatalErrorFromADeviceThatIsGone) {
 TEST(DeviceStream, ABufferNumberThatIsNoneIsNotBelieved) {
   FakeDevice device;
   device.buffers_given = 4;
-  DeviceStream stream(device, wish());
+  DeviceStream stream(device, request());
   ASSERT_EQ(stream.open(), OpenResult::kStreaming);
   device.lie_about_index = 4;
   ASSERT_TRUE(device.take_frame(1));
@@ -175,23 +175,23 @@ TEST(DeviceStream, ABufferNumberThatIsNoneIsNotBelieved) {
   EXPECT_EQ(stream.take(10, &taken), TakeResult::kBroken);
 }
 
-TEST(DeviceStream, MoreOctetsThanTheBufferHasAreCutOff) {
+TEST(DeviceStream, MoreBytesThanTheBufferHasAreCutOff) {
   FakeDevice device;
-  DeviceStream stream(device, wish());
+  DeviceStream stream(device, request());
   ASSERT_EQ(stream.open(), OpenResult::kStreaming);
   ASSERT_TRUE(device.take_frame(1, 0, static_cast<std::uint32_t>(-1000)));
   TakenBuffer taken;
   ASSERT_EQ(stream.take(10, &taken), TakeResult::kBuffer);
-  EXPECT_EQ(taken.octets.size(), 64U * 48U);
+  EXPECT_EQ(taken.bytes.size(), 64U * 48U);
 }
 
 TEST(DeviceStream, TakesTheLuminanceOfADeviceWithSeveralPlanes) {
   FakeDevice device;
   device.capabilities = V4L2_CAP_VIDEO_CAPTURE_MPLANE | V4L2_CAP_STREAMING;
   device.planes = 2;
-  device.octets_before = 16;
+  device.bytes_before = 16;
   device.formats = {V4L2_PIX_FMT_NV12M};
-  DeviceStream stream(device, wish());
+  DeviceStream stream(device, request());
   ASSERT_EQ(stream.open(), OpenResult::kStreaming) << stream.trouble();
   EXPECT_EQ(stream.format().fourcc, V4L2_PIX_FMT_NV12M);
   EXPECT_EQ(device.mapped_now, 4U);
@@ -199,7 +199,7 @@ TEST(DeviceStream, TakesTheLuminanceOfADeviceWithSeveralPlanes) {
     ASSERT_TRUE(device.take_frame(9));
     TakenBuffer taken;
     ASSERT_EQ(stream.take(10, &taken), TakeResult::kBuffer);
-    EXPECT_EQ(taken.octets.size(), 64U * 48U);
+    EXPECT_EQ(taken.bytes.size(), 64U * 48U);
     EXPECT_TRUE(stream.give_back(taken.index));
   }
   stream.close();
@@ -208,7 +208,7 @@ TEST(DeviceStream, TakesTheLuminanceOfADeviceWithSeveralPlanes) {
 
 TEST(DeviceStream, NamesTheFieldsThatItRefuses) {
   FakeDevice device;
-  DeviceStream stream(device, wish());
+  DeviceStream stream(device, request());
   for (const auto& [field, name] :
        {std::pair{V4L2_FIELD_INTERLACED_TB, "gives interlaced;"},
         std::pair{V4L2_FIELD_ALTERNATE, "top and bottom fields in turn"},
@@ -224,7 +224,7 @@ TEST(DeviceStream, NamesTheFieldsThatItRefuses) {
 
 TEST(DeviceStream, KnowsWhatTheTimeStampMarks) {
   FakeDevice device;
-  DeviceStream stream(device, wish());
+  DeviceStream stream(device, request());
   ASSERT_EQ(stream.open(), OpenResult::kStreaming);
   TakenBuffer taken;
   ASSERT_TRUE(device.take_frame(1));

@@ -30,7 +30,7 @@ class FakeDevice final : public DeviceCalls {
   std::uint32_t row_padding = 0;
   std::uint32_t planes = 0;  ///< of its buffers; 0: none, as most devices
   std::uint32_t field = V4L2_FIELD_NONE;
-  std::uint32_t octets_before = 0;  ///< of a plane's content
+  std::uint32_t bytes_before = 0;   ///< of a plane's content
   std::uint32_t buffers_given = 0;  ///< 0: as many as are asked for
   std::uint32_t stamp_flags = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC | V4L2_BUF_FLAG_TSTAMP_SRC_EOF;
   bool has_exposure = true;
@@ -45,7 +45,7 @@ class FakeDevice final : public DeviceCalls {
   bool map_fails = false;
   std::uint32_t lie_about_index = 0;  ///< added to the number of each filled buffer
   bool gone = false;                  ///< unplugged: every call fails with ENODEV
-  bool failed = false;  ///< fatal streaming error: poll tells it, taking a buffer is EIO
+  bool failed = false;  ///< fatal streaming error: poll shows it, taking a buffer is EIO
 
   // What happened.
   std::int64_t time_ns = 1'000'000'000;
@@ -57,7 +57,7 @@ class FakeDevice final : public DeviceCalls {
   std::vector<unsigned long> strangers_requests;
 
   /// The sensor takes a frame into the next queued buffer; without one, the frame is lost.
-  bool take_frame(std::uint8_t level, std::uint32_t flags = 0, std::uint32_t octets_short = 0) {
+  bool take_frame(std::uint8_t level, std::uint32_t flags = 0, std::uint32_t bytes_short = 0) {
     const std::uint32_t number = sequence_++;
     if (!streaming || queued_.empty()) {
       return false;
@@ -67,7 +67,7 @@ class FakeDevice final : public DeviceCalls {
     queued_.pop_front();
     std::memset(memory_[buffer.index].data(), level, memory_[buffer.index].size());
     buffer.sequence = number;
-    buffer.bytesused = static_cast<std::uint32_t>(memory_[buffer.index].size()) - octets_short;
+    buffer.bytesused = static_cast<std::uint32_t>(memory_[buffer.index].size()) - bytes_short;
     buffer.flags = stamp_flags | flags;
     buffer.timestamp.tv_sec = time_ns / 1'000'000'000;
     buffer.timestamp.tv_usec = time_ns % 1'000'000'000 / 1000;
@@ -116,14 +116,14 @@ class FakeDevice final : public DeviceCalls {
     }
     return answer(request, argument);
   }
-  std::uint8_t* map(int /*device*/, std::size_t /*octets*/, std::int64_t offset) override {
+  std::uint8_t* map(int /*device*/, std::size_t /*bytes*/, std::int64_t offset) override {
     if (map_fails) {
       return nullptr;
     }
     ++mapped_now;
     return memory_[static_cast<std::size_t>(offset)].data();
   }
-  void unmap(std::uint8_t* /*block*/, std::size_t /*octets*/) override { --mapped_now; }
+  void unmap(std::uint8_t* /*block*/, std::size_t /*bytes*/) override { --mapped_now; }
   int poll(int /*device*/, int timeout_ms) override {
     if (gone || failed) {
       return gone ? POLLERR | POLLHUP : POLLERR;
@@ -179,14 +179,14 @@ class FakeDevice final : public DeviceCalls {
       case VIDIOC_REQBUFS: {
         auto* asked = static_cast<v4l2_requestbuffers*>(argument);
         asked->count = buffers_given > 0 ? buffers_given : asked->count;
-        memory_.assign(asked->count, std::vector<std::uint8_t>(image_octets()));
+        memory_.assign(asked->count, std::vector<std::uint8_t>(image_bytes()));
         return 0;
       }
       case VIDIOC_QUERYBUF:
         if (!names_planes(*buffer)) {
           return -EINVAL;
         }
-        (planes > 0 ? buffer->m.planes[0].length : buffer->length) = image_octets();
+        (planes > 0 ? buffer->m.planes[0].length : buffer->length) = image_bytes();
         (planes > 0 ? buffer->m.planes[0].m.mem_offset : buffer->m.offset) = buffer->index;
         return 0;
       case VIDIOC_QBUF:
@@ -224,7 +224,7 @@ class FakeDevice final : public DeviceCalls {
     if (planes > 0) {
       buffer->m.planes = theirs;
       theirs[0].bytesused = buffer->bytesused;
-      theirs[0].data_offset = octets_before;
+      theirs[0].data_offset = bytes_before;
     }
     buffer->index += lie_about_index;
     filled_.pop_front();
@@ -245,7 +245,7 @@ class FakeDevice final : public DeviceCalls {
         pix->field = static_cast<std::uint8_t>(field);
         pix->num_planes = static_cast<std::uint8_t>(planes);
         pix->plane_fmt[0].bytesperline = width + row_padding;
-        pix->plane_fmt[0].sizeimage = image_octets();
+        pix->plane_fmt[0].sizeimage = image_bytes();
         return 0;
       }
     }
@@ -265,7 +265,7 @@ class FakeDevice final : public DeviceCalls {
         pix.height = height;
         pix.field = field;
         pix.bytesperline = width + row_padding;
-        pix.sizeimage = image_octets();
+        pix.sizeimage = image_bytes();
         return 0;
       }
     }
@@ -283,8 +283,8 @@ class FakeDevice final : public DeviceCalls {
     return 0;
   }
 
-  [[nodiscard]] std::uint32_t image_octets() const {
-    return octets_before + (width + row_padding) * height;
+  [[nodiscard]] std::uint32_t image_bytes() const {
+    return bytes_before + (width + row_padding) * height;
   }
 
   std::vector<std::vector<std::uint8_t>> memory_;

@@ -9,58 +9,58 @@ namespace polhode::platform::formats_test {
 namespace {
 
 OfferedFormat offer(std::uint32_t fourcc,
-                    std::uint32_t octets_per_pixel,
+                    std::uint32_t bytes_per_pixel,
                     int width = 640,
                     int height = 480) {
-  const std::uint32_t row = octets_per_pixel * static_cast<std::uint32_t>(width);
+  const std::uint32_t row = bytes_per_pixel * static_cast<std::uint32_t>(width);
   return {.fourcc = fourcc,
           .width_px = width,
           .height_px = height,
-          .row_octets = row,
-          .image_octets = row * static_cast<std::uint32_t>(height)};
+          .row_bytes = row,
+          .image_bytes = row * static_cast<std::uint32_t>(height)};
 }
 
-const FormatWish kWish{.width_px = 640, .height_px = 480};
+const FormatRequest kRequest{.width_px = 640, .height_px = 480};
 
 TEST(ChooseFormat, TakesWhatNeedsNoConversionFirst_WhateverTheOrderOfTheOffer) {
   std::vector<OfferedFormat> offered{{V4L2_PIX_FMT_MJPEG, 640, 480, 0, 100000},
                                      offer(V4L2_PIX_FMT_YUYV, 2),
                                      offer(V4L2_PIX_FMT_Y10, 2),
                                      offer(V4L2_PIX_FMT_GREY, 1)};
-  EXPECT_EQ(choose_format(offered, kWish), 3U);
+  EXPECT_EQ(choose_format(offered, kRequest), 3U);
   offered.pop_back();
-  EXPECT_EQ(choose_format(offered, kWish), 2U);
+  EXPECT_EQ(choose_format(offered, kRequest), 2U);
   offered.pop_back();
-  EXPECT_EQ(choose_format(offered, kWish), 1U);
+  EXPECT_EQ(choose_format(offered, kRequest), 1U);
   offered.pop_back();
-  EXPECT_EQ(choose_format(offered, kWish), 0U);
+  EXPECT_EQ(choose_format(offered, kRequest), 0U);
 }
 
 TEST(ChooseFormat, TakesNoOtherSizeThanTheCamerasCalibration) {
   const std::vector<OfferedFormat> offered{offer(V4L2_PIX_FMT_GREY, 1, 1280, 960)};
-  EXPECT_FALSE(choose_format(offered, kWish));
+  EXPECT_FALSE(choose_format(offered, kRequest));
 }
 
 TEST(ChooseFormat, TakesTheFormatThatIsAskedFor_OrNone) {
   const std::vector<OfferedFormat> offered{offer(V4L2_PIX_FMT_GREY, 1),
                                            offer(V4L2_PIX_FMT_YUYV, 2)};
-  FormatWish wish = kWish;
-  wish.fourcc = V4L2_PIX_FMT_YUYV;
-  EXPECT_EQ(choose_format(offered, wish), 1U);
-  wish.fourcc = V4L2_PIX_FMT_Y16;
-  EXPECT_FALSE(choose_format(offered, wish));
+  FormatRequest request = kRequest;
+  request.fourcc = V4L2_PIX_FMT_YUYV;
+  EXPECT_EQ(choose_format(offered, request), 1U);
+  request.fourcc = V4L2_PIX_FMT_Y16;
+  EXPECT_FALSE(choose_format(offered, request));
 }
 
 TEST(ChooseFormat, RefusesRowsOrImagesThatAreTooShortForTheirSize) {
   OfferedFormat format = offer(V4L2_PIX_FMT_Y16, 2);
   EXPECT_TRUE(consistent(format));
-  format.row_octets -= 1;
+  format.row_bytes -= 1;
   EXPECT_FALSE(consistent(format));
   format = offer(V4L2_PIX_FMT_Y16, 2);
-  format.image_octets -= 1;
+  format.image_bytes -= 1;
   EXPECT_FALSE(consistent(format));
   format = offer(V4L2_PIX_FMT_GREY, 1);
-  format.image_octets = std::numeric_limits<std::uint32_t>::max();
+  format.image_bytes = std::numeric_limits<std::uint32_t>::max();
   EXPECT_FALSE(consistent(format));
   format = offer(V4L2_PIX_FMT_GREY, 1);
   format.width_px = -640;
@@ -72,14 +72,14 @@ TEST(ChooseFormat, RefusesRowsOrImagesThatAreTooShortForTheirSize) {
 }
 
 TEST(ChooseFormat, RowsOfPackedBitsEndWithAWholeGroup) {
-  EXPECT_EQ(row_octets_of(*find_packing("Y10P"), 640), 800U);
-  EXPECT_EQ(row_octets_of(*find_packing("Y10P"), 5), 10U);
-  EXPECT_EQ(row_octets_of(*find_packing("Y12P"), 640), 960U);
-  EXPECT_EQ(row_octets_of(*find_packing("NV12"), 640), 640U);
-  EXPECT_EQ(row_octets_of(*find_packing("BGR24"), 640), 1920U);
+  EXPECT_EQ(row_bytes_of(*find_packing("Y10P"), 640), 800U);
+  EXPECT_EQ(row_bytes_of(*find_packing("Y10P"), 5), 10U);
+  EXPECT_EQ(row_bytes_of(*find_packing("Y12P"), 640), 960U);
+  EXPECT_EQ(row_bytes_of(*find_packing("NV12"), 640), 640U);
+  EXPECT_EQ(row_bytes_of(*find_packing("BGR24"), 640), 1920U);
 }
 
-TEST(ChooseFormat, NothingOnOfferIsNothing) { EXPECT_FALSE(choose_format({}, kWish)); }
+TEST(ChooseFormat, NothingOnOfferIsNothing) { EXPECT_FALSE(choose_format({}, kRequest)); }
 
 TEST(ChooseInterval, TakesTheNearestByRatio_AndNoneThatIsZero) {
   const std::vector<Interval> offered{{0, 30}, {1, 5}, {1, 15}, {1, 0}, {1, 60}};

@@ -26,7 +26,7 @@ TEST(MidExposure, WithNothingKnownIsTheStamp) { EXPECT_EQ(mid_exposure_ns(123, {
 
 TEST(SequenceWatch, CountsWhatIsMissingBetweenNumbers) {
   SequenceWatch watch;
-  EXPECT_EQ(watch.missing_before(17), 0U);  // where it begins says nothing
+  EXPECT_EQ(watch.missing_before(17), 0U);  // where it begins indicates nothing
   EXPECT_EQ(watch.missing_before(18), 0U);
   EXPECT_EQ(watch.missing_before(22), 3U);
 }
@@ -37,7 +37,7 @@ TEST(SequenceWatch, GoesOverTheEndOfTheCounter) {
   EXPECT_EQ(watch.missing_before(1), 2U);  // 0xFFFFFFFF and 0
 }
 
-TEST(SequenceWatch, ACounterThatStandsOrBeginsAnewIsNoGap) {
+TEST(SequenceWatch, ACounterThatStandsOrBeginsAgainIsNoGap) {
   SequenceWatch watch;
   (void)watch.missing_before(500);
   EXPECT_EQ(watch.missing_before(500), 0U);
@@ -46,7 +46,7 @@ TEST(SequenceWatch, ACounterThatStandsOrBeginsAnewIsNoGap) {
   EXPECT_EQ(watch.missing_before(40), 0U);
 }
 
-TEST(Backoff, DoublesUpToItsBound_AndBeginsAnewAfterSuccess) {
+TEST(Backoff, DoublesUpToItsBound_AndBeginsAgainAfterSuccess) {
   Backoff backoff;
   EXPECT_EQ(backoff.due_ns(), 0);
   std::int64_t last = 0;

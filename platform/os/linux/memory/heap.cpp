@@ -37,26 +37,26 @@ struct Heap::Block {
 namespace {
 
 constexpr std::size_t kMaxRequest = std::size_t{1} << 39;
-// Below this every class is one size of 16 octets' step.
+// Below this every class is one size of 16 bytes' step.
 constexpr std::size_t kSmall = 512;
 
 std::size_t up_to(std::size_t value, std::size_t step) { return (value + step - 1) & ~(step - 1); }
 
 }  // namespace
 
-Heap::Place Heap::place_of(std::size_t octets) {
-  if (octets < kSmall) {
-    return {.first = 0, .second = static_cast<unsigned>(octets / kAlignment)};
+Heap::Place Heap::place_of(std::size_t bytes) {
+  if (bytes < kSmall) {
+    return {.first = 0, .second = static_cast<unsigned>(bytes / kAlignment)};
   }
-  const auto log2 = static_cast<unsigned>(std::bit_width(octets)) - 1;  // 9 and up
+  const auto log2 = static_cast<unsigned>(std::bit_width(bytes)) - 1;  // 9 and up
   return {.first = log2 - 8,
-          .second = static_cast<unsigned>(octets >> (log2 - kSecondBits)) - kSeconds};
+          .second = static_cast<unsigned>(bytes >> (log2 - kSecondBits)) - kSeconds};
 }
 
 /// Up to the next class boundary, so that every block of the class that is searched is large
 /// enough.
-std::size_t Heap::rounded(std::size_t octets) {
-  const std::size_t size = std::max(up_to(octets, kAlignment), Block::kLeast);
+std::size_t Heap::rounded(std::size_t bytes) {
+  const std::size_t size = std::max(up_to(bytes, kAlignment), Block::kLeast);
   if (size < kSmall) {
     return size;
   }
@@ -112,9 +112,9 @@ void Heap::remove(Block* block) {
   }
 }
 
-/// The first block of the smallest class that surely holds `octets` (a class boundary).
-Heap::Block* Heap::find(std::size_t octets) {
-  Place at = place_of(octets);
+/// The first block of the smallest class that surely holds `bytes` (a class boundary).
+Heap::Block* Heap::find(std::size_t bytes) {
+  Place at = place_of(bytes);
   std::uint32_t seconds = second_map_[at.first] & (~0U << at.second);
   if (seconds == 0) {
     const std::uint32_t firsts = at.first + 1 < kFirsts ? first_map_ & (~0U << (at.first + 1)) : 0U;
@@ -127,13 +127,13 @@ Heap::Block* Heap::find(std::size_t octets) {
   return free_[at.first][static_cast<unsigned>(std::countr_zero(seconds))];
 }
 
-/// Cuts a block that is in no list; what remains behind `octets` becomes free.
-Heap::Block* Heap::split(Block* block, std::size_t octets) {
-  if (block->size() < octets + Block::kHeader + Block::kLeast) {
+/// Cuts a block that is in no list; the rest behind `bytes` becomes free.
+Heap::Block* Heap::split(Block* block, std::size_t bytes) {
+  if (block->size() < bytes + Block::kHeader + Block::kLeast) {
     return block;
   }
-  const std::size_t rest = block->size() - octets - Block::kHeader;
-  block->set(octets, block->is_free());
+  const std::size_t rest = block->size() - bytes - Block::kHeader;
+  block->set(bytes, block->is_free());
   Block* behind = ::new (static_cast<void*>(block->after())) Block{};
   behind->before = block;
   behind->set(rest, true);
@@ -160,20 +160,20 @@ Heap::Block* Heap::merged(Block* block) {
   return block;
 }
 
-void* Heap::take(Block* block, std::size_t octets) {
+void* Heap::take(Block* block, std::size_t bytes) {
   block->set(block->size(), false);
-  split(block, octets);
+  split(block, bytes);
   used_ += block->size() + Block::kHeader;
   peak_ = std::max(peak_, used_);
   ++live_;
   return block->memory();
 }
 
-void* Heap::allocate(std::size_t octets, std::size_t alignment) {
-  if (first_ == nullptr || octets > kMaxRequest || alignment > kMaxRequest) {
+void* Heap::allocate(std::size_t bytes, std::size_t alignment) {
+  if (first_ == nullptr || bytes > kMaxRequest || alignment > kMaxRequest) {
     return nullptr;
   }
-  const std::size_t size = rounded(octets);
+  const std::size_t size = rounded(bytes);
   const bool aligned = alignment <= kAlignment;
   // An aligned place lies somewhere in a block that is larger by the alignment and one header.
   Block* block = find(aligned ? size : rounded(size + alignment + Block::kHeader + Block::kLeast));
@@ -215,15 +215,15 @@ void Heap::release(void* p) {
   insert(merged(block));
 }
 
-std::size_t Heap::usable_octets(const void* p) { return Block::of(const_cast<void*>(p))->size(); }
+std::size_t Heap::usable_bytes(const void* p) { return Block::of(const_cast<void*>(p))->size(); }
 
-bool Heap::resize(void* p, std::size_t octets) {
+bool Heap::resize(void* p, std::size_t bytes) {
   Block* block = Block::of(p);
-  const std::size_t size = rounded(octets);
+  const std::size_t size = rounded(bytes);
   const std::size_t held = block->size();
   Block* after = block->after();
   const std::size_t room = held + (after->is_free() ? after->size() + Block::kHeader : 0);
-  if (octets > kMaxRequest || room < size) {
+  if (bytes > kMaxRequest || room < size) {
     return false;
   }
   if (size > held) {
@@ -238,16 +238,16 @@ bool Heap::resize(void* p, std::size_t octets) {
 }
 
 HeapUse Heap::use() const {
-  HeapUse use{.total_octets = static_cast<std::size_t>(end_ - reinterpret_cast<std::byte*>(first_)),
-              .used_octets = used_,
-              .peak_octets = peak_,
+  HeapUse use{.total_bytes = static_cast<std::size_t>(end_ - reinterpret_cast<std::byte*>(first_)),
+              .used_bytes = used_,
+              .peak_bytes = peak_,
               .live_blocks = live_};
   if (first_map_ != 0) {
     const auto first = static_cast<unsigned>(std::bit_width(first_map_)) - 1;
     const auto second = static_cast<unsigned>(std::bit_width(second_map_[first])) - 1;
-    use.largest_free_octets = first == 0
-                                  ? second * kAlignment
-                                  : std::size_t{kSeconds + second} << (first + 8 - kSecondBits);
+    use.largest_free_bytes = first == 0
+                                 ? second * kAlignment
+                                 : std::size_t{kSeconds + second} << (first + 8 - kSecondBits);
   }
   return use;
 }

@@ -14,20 +14,20 @@ using polhode::platform::Heap;
 using polhode::platform::region_allocate;
 using polhode::platform::region_release;
 using polhode::platform::region_resize;
-using polhode::platform::region_usable_octets;
+using polhode::platform::region_usable_bytes;
 
 constexpr std::size_t kPage = 4096;
 
-void* allocate(std::size_t octets, std::size_t alignment = Heap::kAlignment) {
-  void* p = region_allocate(octets, alignment);
+void* allocate(std::size_t bytes, std::size_t alignment = Heap::kAlignment) {
+  void* p = region_allocate(bytes, alignment);
   if (p == nullptr) {
     errno = ENOMEM;
   }
   return p;
 }
 
-bool overflows(std::size_t count, std::size_t octets) {
-  return octets != 0 && count > SIZE_MAX / octets;
+bool overflows(std::size_t count, std::size_t bytes) {
+  return bytes != 0 && count > SIZE_MAX / bytes;
 }
 
 const bool kDeclared = [] {
@@ -39,7 +39,7 @@ const bool kDeclared = [] {
 
 extern "C" {
 
-void* malloc(std::size_t octets) noexcept { return allocate(octets); }
+void* malloc(std::size_t bytes) noexcept { return allocate(bytes); }
 
 void free(void* p) noexcept {
   if (p != nullptr) {
@@ -47,57 +47,57 @@ void free(void* p) noexcept {
   }
 }
 
-void* calloc(std::size_t count, std::size_t octets) noexcept {
-  if (overflows(count, octets)) {
+void* calloc(std::size_t count, std::size_t bytes) noexcept {
+  if (overflows(count, bytes)) {
     errno = ENOMEM;
     return nullptr;
   }
-  void* p = allocate(count * octets);
+  void* p = allocate(count * bytes);
   if (p != nullptr) {
-    std::memset(p, 0, count * octets);
+    std::memset(p, 0, count * bytes);
   }
   return p;
 }
 
-void* realloc(void* p, std::size_t octets) noexcept {
+void* realloc(void* p, std::size_t bytes) noexcept {
   if (p == nullptr) {
-    return allocate(octets);
+    return allocate(bytes);
   }
-  if (octets == 0) {
+  if (bytes == 0) {
     region_release(p);
     return nullptr;
   }
-  void* resized = region_resize(p, octets);
+  void* resized = region_resize(p, bytes);
   if (resized == nullptr) {
     errno = ENOMEM;
   }
   return resized;
 }
 
-void* reallocarray(void* p, std::size_t count, std::size_t octets) noexcept {
-  if (overflows(count, octets)) {
+void* reallocarray(void* p, std::size_t count, std::size_t bytes) noexcept {
+  if (overflows(count, bytes)) {
     errno = ENOMEM;
     return nullptr;
   }
-  return realloc(p, count * octets);
+  return realloc(p, count * bytes);
 }
 
-void* memalign(std::size_t alignment, std::size_t octets) noexcept {
-  return allocate(octets, alignment);
+void* memalign(std::size_t alignment, std::size_t bytes) noexcept {
+  return allocate(bytes, alignment);
 }
-void* aligned_alloc(std::size_t alignment, std::size_t octets) noexcept {
-  return allocate(octets, alignment);
+void* aligned_alloc(std::size_t alignment, std::size_t bytes) noexcept {
+  return allocate(bytes, alignment);
 }
-void* valloc(std::size_t octets) noexcept { return allocate(octets, kPage); }
-void* pvalloc(std::size_t octets) noexcept {
-  return allocate((octets + kPage - 1) / kPage * kPage, kPage);
+void* valloc(std::size_t bytes) noexcept { return allocate(bytes, kPage); }
+void* pvalloc(std::size_t bytes) noexcept {
+  return allocate((bytes + kPage - 1) / kPage * kPage, kPage);
 }
 
-int posix_memalign(void** out, std::size_t alignment, std::size_t octets) noexcept {
+int posix_memalign(void** out, std::size_t alignment, std::size_t bytes) noexcept {
   if (alignment < sizeof(void*) || (alignment & (alignment - 1)) != 0) {
     return EINVAL;
   }
-  void* p = region_allocate(octets, alignment);
+  void* p = region_allocate(bytes, alignment);
   if (p == nullptr) {
     return ENOMEM;
   }
@@ -106,7 +106,7 @@ int posix_memalign(void** out, std::size_t alignment, std::size_t octets) noexce
 }
 
 std::size_t malloc_usable_size(void* p) noexcept {
-  return p == nullptr ? 0 : region_usable_octets(p);
+  return p == nullptr ? 0 : region_usable_bytes(p);
 }
 
 }  // extern "C"

@@ -14,20 +14,20 @@
 
 namespace polhode::platform {
 
-/// kGeneral: whatever is not one of the others. kStep: libraries called within step(). kJobs: those
-/// called by jobs. kReserve: what overflows from the others after the seal.
+/// kGeneral: everything else. kStep: libraries called within step(). kJobs: those called by jobs.
+/// kReserve: overflow of the others after the seal.
 enum class Pool : std::uint8_t { kGeneral, kStep, kJobs, kReserve };
 inline constexpr std::size_t kPoolCount = 4;
 const char* pool_name(Pool pool);
 
-using PoolOctets = std::array<std::size_t, kPoolCount>;
+using PoolBytes = std::array<std::size_t, kPoolCount>;
 
 /// True when this program's malloc is the one here.
 bool memory_is_fixed();
 
 /// Acquires the pools, with every page present. Before this, and until the seal, all grows freely.
 /// @throws RunFailure when the machine does not have it.
-void open_pools(const PoolOctets& octets);
+void open_pools(const PoolBytes& bytes);
 
 /// From here on memory comes from the pools alone: overflow draws on the reserve, and when that is
 /// exhausted the process ends by the hook.
@@ -50,9 +50,9 @@ class PoolScope {
   Pool before_;
 };
 
-/// As long as it lives, what the calling thread asks for lies beside the pools, in memory that is
-/// acquired for it: large buffers with a row of their own in the plan. Before the seal; after it
-/// there is nothing but the pools.
+/// During its lifetime the calling thread's allocations lie outside of the pools, in memory of
+/// their own: for large buffers with a row in the plan. Only before the seal; after it there are
+/// the pools alone.
 class BesideScope {
  public:
   BesideScope();
@@ -68,28 +68,28 @@ class BesideScope {
 
 /// Of one pool; for kGeneral with the memory that was handed out before the pools were opened.
 HeapUse pool_use(Pool pool);
-void forget_pool_peaks();
+void reset_pool_peaks();
 using PoolReport = std::array<HeapUse, kPoolCount>;
 PoolReport report_pools();
 
 /// Memory acquired beyond the pools while that was allowed.
-std::size_t grown_octets();
+std::size_t grown_bytes();
 
 /// Allocations of this pool that had to draw on the reserve since the last call.
 std::uint32_t take_overdrafts(Pool pool);
 
 /// Called once when the reserve is exhausted too; must not return. The libraries do not survive a
 /// null pointer (they crash, free twice, leak), so they never see one. Without a hook the process
-/// says what happened and ends with kMemoryExhausted.
-using ExhaustionHook = void (*)(Pool pool, std::size_t octets);
+/// reports it and ends with kMemoryExhausted.
+using ExhaustionHook = void (*)(Pool pool, std::size_t bytes);
 void set_exhaustion_hook(ExhaustionHook hook);
 inline constexpr int kMemoryExhausted = 3;
 
 /// Behind the malloc family. @return nullptr only before the seal, when the machine has no more.
-void* region_allocate(std::size_t octets, std::size_t alignment);
+void* region_allocate(std::size_t bytes, std::size_t alignment);
 void region_release(void* p);
-void* region_resize(void* p, std::size_t octets);
-std::size_t region_usable_octets(const void* p);
+void* region_resize(void* p, std::size_t bytes);
+std::size_t region_usable_bytes(const void* p);
 
 /// Set by malloc_family.cpp.
 void declare_memory_fixed();

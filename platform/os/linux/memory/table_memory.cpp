@@ -8,16 +8,16 @@
 
 namespace polhode::platform {
 
-TableMemory::TableMemory(std::size_t octets) : octets_(octets) {
+TableMemory::TableMemory(std::size_t bytes) : bytes_(bytes) {
   void* p = ::mmap(
-      nullptr, octets, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_POPULATE, -1, 0);
+      nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_POPULATE, -1, 0);
   if (p == MAP_FAILED) {
-    throw RunFailure(std::to_string(octets) +
+    throw RunFailure(std::to_string(bytes) +
                      " octets of memory for the component are not to be had");
   }
   data_ = static_cast<std::byte*>(p);
 }
 
-TableMemory::~TableMemory() { ::munmap(data_, octets_); }
+TableMemory::~TableMemory() { ::munmap(data_, bytes_); }
 
 }  // namespace polhode::platform

@@ -10,17 +10,17 @@ namespace polhode::platform {
 class TableMemory {
  public:
   /// @throws RunFailure when the machine does not have it.
-  explicit TableMemory(std::size_t octets);
+  explicit TableMemory(std::size_t bytes);
   ~TableMemory();
   TableMemory(const TableMemory&) = delete;
   TableMemory& operator=(const TableMemory&) = delete;
   TableMemory(TableMemory&&) = delete;
   TableMemory& operator=(TableMemory&&) = delete;
 
-  [[nodiscard]] std::span<std::byte> span() const { return {data_, octets_}; }
+  [[nodiscard]] std::span<std::byte> span() const { return {data_, bytes_}; }
 
  private:
-  std::size_t octets_;
+  std::size_t bytes_;
   std::byte* data_;
 };
 

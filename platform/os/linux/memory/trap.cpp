@@ -55,18 +55,18 @@ constexpr unsigned kArchitecture = AUDIT_ARCH_AARCH64;
 #error "the trap does not know this architecture's system calls"
 #endif
 
-void say(const char* text) {
+void write_text(const char* text) {
   [[maybe_unused]] const auto written = ::write(STDERR_FILENO, text, std::strlen(text));
 }
 
 void on_trap(int /*signal*/, siginfo_t* info, void* /*context*/) {
-  say("trapped after the seal: ");
+  write_text("trapped after the seal: ");
   for (const Call& call : kCalls) {
     if (call.number == static_cast<unsigned>(info->si_syscall)) {
-      say(call.name);
+      write_text(call.name);
     }
   }
-  say("\n");
+  write_text("\n");
   ::_exit(kTrapped);
 }
 

@@ -1,14 +1,13 @@
-// For tests of the seal: the kernel itself tells when a program that should not asks for memory, a
-// thread or a file.
+// For tests of the seal: the kernel ends a program that requests memory, a thread or a file when it
+// should not.
 #pragma once
 
 namespace polhode::platform {
 
 inline constexpr int kTrapped = 5;  ///< exit code
 
-/// From here on mmap, mremap, munmap, mprotect, madvise, brk, clone, fork and, where `files` says
-/// so, open end the process with kTrapped and one line that names the call; for all threads, and
-/// for good.
+/// From here on mmap, mremap, munmap, mprotect, madvise, brk, clone, fork and, with `files`, open
+/// end the process with kTrapped and one line that names the call; for all threads, and for good.
 /// @return false when the kernel does not allow such a filter.
 bool set_memory_trap(bool files);
 
