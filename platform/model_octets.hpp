@@ -17,7 +17,7 @@ inline constexpr std::size_t kModelHeadOctets = 24;
 /// Octets that no model is longer than.
 std::size_t model_octets_max();
 
-/// Does it begin as a model? So much of it is enough to tell: kModelHeadOctets.
+/// Does it begin as a model? kModelHeadOctets of it are enough.
 bool begins_as_model(std::span<const std::uint8_t> octets);
 
 /// @param out  at least model_octets_max() long.

@@ -1,5 +1,5 @@
 // Whether blobs look as a pose has them: how large, and which way their orientation points. It
-// tells a right pose from one that many features agree with by their places alone.
+// separates a right pose from one that many features agree with by their places alone.
 #pragma once
 
 #include "map/localise.hpp"

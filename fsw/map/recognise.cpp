@@ -17,9 +17,9 @@
 namespace polhode {
 namespace {
 
-/// Poses this near show the same side. A blob's orientation is good to 10 or 20 deg where the light
-/// is another one, and the side that is seen differs from the keyframe's.
-constexpr double kSameSideHalfCosine = 0.966;  // 30 deg
+/// Poses this near show the same aspect. A blob's orientation is good to 10 or 20 deg where the
+/// light is another one, and the side that is seen differs from the keyframe's.
+constexpr double kSameAspectHalfCosine = 0.966;  // 30 deg
 
 /// Features are searched within this part of the radius about a pose that is known to 20 deg.
 constexpr double kReachPart = 0.15;
@@ -30,7 +30,7 @@ double reach_of(const LocaliseInput& input, double part, const Pose& pose) {
                   part * input.map->radius_mu / pose.to_camera(input.map->centre_T).z());
 }
 
-/// What a feature and a view that look alike say of the pose.
+/// The pose by a feature and a view that look alike.
 struct Vote {
   std::int32_t feature = -1;
   Eigen::Quaterniond q_CT = Eigen::Quaterniond::Identity();
@@ -109,15 +109,15 @@ std::vector<Vote> votes_of(const LocaliseInput& input, const DescriptorTable& ta
   return votes;
 }
 
-bool is_same_side(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
-  return std::abs(a.dot(b)) > kSameSideHalfCosine;
+bool is_same_aspect(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
+  return std::abs(a.dot(b)) > kSameAspectHalfCosine;
 }
 
 /// Do two votes mean one pose? A blob's size is good to a quarter.
 bool agree(const Vote& a, const Vote& b, double radius) {
   constexpr double kLogDepth = 0.4;  // a factor of 1.5
   constexpr double kCentre = 0.35;   // of the radius: 30 deg about a blob halfway out, and more
-  return is_same_side(a.q_CT, b.q_CT) && std::abs(a.log_depth - b.log_depth) < kLogDepth &&
+  return is_same_aspect(a.q_CT, b.q_CT) && std::abs(a.log_depth - b.log_depth) < kLogDepth &&
          (a.centre - b.centre).squaredNorm() <
              kCentre * kCentre * radius * radius * std::exp(-2.0 * a.log_depth);
 }
@@ -125,7 +125,7 @@ bool agree(const Vote& a, const Vote& b, double radius) {
 Pose pose_of(const Vote& vote) { return {.R_CT = vote.q_CT.toRotationMatrix(), .p_CT = vote.p_CT}; }
 
 /// Does a vote's feature lie roughly where a pose has its landmark, as large as it has it?
-bool bears_out(const Vote& vote, const Map& map, const Pose& pose, double reach) {
+bool supports(const Vote& vote, const Map& map, const Pose& pose, double reach) {
   constexpr double kLogSize = 0.5;  // a factor of 1.7
   const Landmark& landmark = map.landmarks[static_cast<std::size_t>(vote.landmark)];
   const Eigen::Vector3d p_C = pose.to_camera(landmark.p_T);
@@ -168,16 +168,16 @@ std::vector<std::size_t> best_of(const std::vector<std::size_t>& named,
   return order;
 }
 
-/// The first of the votes named, of each side a few: so that a body's other sides are tried, too,
-/// which may look the same.
-std::vector<std::size_t> of_different_sides(const std::vector<std::size_t>& named,
-                                            const std::vector<Vote>& votes,
-                                            std::size_t count) {
+/// The first of the votes named, of each aspect a few: so that a body's other aspects are tried,
+/// too, which may look the same.
+std::vector<std::size_t> of_different_aspects(const std::vector<std::size_t>& named,
+                                              const std::vector<Vote>& votes,
+                                              std::size_t count) {
   constexpr int kAlike = 3;  // with two of eight in all, two of ten passes are recognised no more
   std::vector<std::size_t> chosen;
   for (const std::size_t i : named) {
     const auto alike = std::count_if(chosen.begin(), chosen.end(), [&](std::size_t k) {
-      return is_same_side(votes[i].q_CT, votes[k].q_CT);
+      return is_same_aspect(votes[i].q_CT, votes[k].q_CT);
     });
     if (chosen.size() < count && alike < kAlike) {
       chosen.push_back(i);
@@ -186,9 +186,9 @@ std::vector<std::size_t> of_different_sides(const std::vector<std::size_t>& name
   return chosen;
 }
 
-/// A pose fitted to the places of the votes' features that bear it out, which come nearer from
+/// A pose fitted to the places of the votes' features that support it, which come nearer from
 /// round to round. A vote has the side that its keyframe saw, up to 20 deg and more from this one;
-/// the places of many tell this one.
+/// the places of many show this one.
 Pose fit_to_votes(const LocaliseInput& input, const std::vector<Vote>& votes, Pose pose) {
   constexpr int kRounds = 4;       // to a third in all, in which features are then searched
   constexpr double kNearer = 0.7;  // half of the area
@@ -200,7 +200,7 @@ Pose fit_to_votes(const LocaliseInput& input, const std::vector<Vote>& votes, Po
     observations.clear();
     std::int32_t last = -1;
     for (const Vote& vote : votes) {  // in the order of features
-      if (vote.feature != last && bears_out(vote, *input.map, pose, reach)) {
+      if (vote.feature != last && supports(vote, *input.map, pose, reach)) {
         last = vote.feature;
         const auto slot = static_cast<std::size_t>(vote.landmark);
         observations.push_back({.p_T = input.map->landmarks[slot].p_T,
@@ -218,7 +218,7 @@ Pose fit_to_votes(const LocaliseInput& input, const std::vector<Vote>& votes, Po
   return pose;
 }
 
-/// Poses that many votes mean, those first that most features bear out.
+/// Poses that many votes mean, those first that most features support.
 std::vector<Pose> poses_to_try(const LocaliseInput& input, const std::vector<Vote>& votes) {
   // Of 1600 votes so many are held against all others, and so many tried: 20 to 50 ms in all. With
   // five times as many hardly more frames are recognised.
@@ -233,10 +233,10 @@ std::vector<Pose> poses_to_try(const LocaliseInput& input, const std::vector<Vot
   order = best_of(order, kLooked, [&](std::size_t i) {
     const Pose pose = pose_of(votes[i]);
     const double reach = reach_of(input, kReachPart, pose);
-    return features_of(votes, [&](const Vote& v) { return bears_out(v, *input.map, pose, reach); });
+    return features_of(votes, [&](const Vote& v) { return supports(v, *input.map, pose, reach); });
   });
   std::vector<Pose> poses;
-  for (const std::size_t i : of_different_sides(order, votes, kTried)) {
+  for (const std::size_t i : of_different_aspects(order, votes, kTried)) {
     poses.push_back(pose_of(votes[i]));
   }
   return poses;
@@ -262,7 +262,7 @@ void try_pose(const Pose& pose, Trials* trials, LocalisedFrame* out) {
   }
   const int count = agreeing_blobs(input, *out);
   const bool same =
-      trials->agreeing > 0 && is_same_side(trials->best->absolute.pose, out->absolute.pose);
+      trials->agreeing > 0 && is_same_aspect(trials->best->absolute.pose, out->absolute.pose);
   if (count > trials->agreeing) {
     trials->rival = same ? trials->rival : std::max(trials->rival, trials->agreeing);
     trials->agreeing = count;
@@ -298,8 +298,8 @@ std::vector<Pose> turned_about_axes(const Map& map, const Pose& pose) {
 
 }  // namespace
 
-bool is_same_side(const Pose& a, const Pose& b) {
-  return is_same_side(Eigen::Quaterniond(a.R_CT), Eigen::Quaterniond(b.R_CT));
+bool is_same_aspect(const Pose& a, const Pose& b) {
+  return is_same_aspect(Eigen::Quaterniond(a.R_CT), Eigen::Quaterniond(b.R_CT));
 }
 
 Result<int> recognise(const LocaliseInput& input,

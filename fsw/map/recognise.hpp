@@ -1,4 +1,4 @@
-// A body that is known, in other light, from another range or another side: where hardly one in
+// A body that is known, in other light, from another range or another aspect: where hardly one in
 // ten of the features that look alike is right, which a ratio test throws away and RANSAC does not
 // find.
 #pragma once
@@ -11,9 +11,9 @@ namespace polhode {
 inline constexpr int kAgreeingBlobsMin = 12;
 
 /// Each feature and view of a landmark that look alike give a whole pose: by the blobs' places,
-/// sizes and orientations. Poses that many of them give are fitted to those that bear them out, and
-/// tried. One is taken whose blobs agree, beyond chance more of them than with one of another side:
-/// of alike sides one is as good as the other.
+/// sizes and orientations. Poses that many of them give are fitted to those that support them, and
+/// tried. One is taken whose blobs agree, beyond chance more of them than with one of another
+/// aspect: of alike aspects one is as good as the other.
 /// @param before  pose of the frame before, tried too; null: there is none.
 /// @return blobs that agree.
 /// @cost  squared in features, as far as two for each are alike.
@@ -24,7 +24,7 @@ Result<int> recognise(const LocaliseInput& input,
                       LocaliseScratch* scratch,
                       LocalisedFrame* out);
 
-/// Do two poses show the same side, as far as recognise() tells sides apart?
-bool is_same_side(const Pose& a, const Pose& b);
+/// Do two poses show the same aspect, as far as recognise() separates aspects?
+bool is_same_aspect(const Pose& a, const Pose& b);
 
 }  // namespace polhode

@@ -233,7 +233,7 @@ bool recognise_frame(const MapInput& input, MapState* s) {
   if (!agreeing) {
     return false;
   }
-  const bool same = goes_on && is_same_side(s->localised.absolute.pose, last.pose);
+  const bool same = goes_on && is_same_aspect(s->localised.absolute.pose, last.pose);
   last = {.frames = same ? last.frames + 1 : 1,
           .agreeing = same ? last.agreeing + agreeing.value() : agreeing.value(),
           .frame = input.frame,

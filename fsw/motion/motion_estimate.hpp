@@ -9,11 +9,11 @@
 
 namespace polhode {
 
-/// The last pose judged, as the camera saw it: what the next one is held against, to tell a repeat.
+/// The last pose checked, as the camera saw it: a repeat is detected by comparing the next one.
 struct LastSeen {
   bool any = false;
   PoseSample pose_C;
-  double moved_rad_s = 0.0;  ///< since the one before; 0 where that is not told from none
+  double moved_rad_s = 0.0;  ///< since the one before; 0 where that is within the noise
 };
 
 /// The state of this room. Poses are kept in I, so that they stay right when the observer turns.

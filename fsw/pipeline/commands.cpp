@@ -79,20 +79,20 @@ Outcome set_range(const Command& command, Configuration* c, ScaleState* state) {
 }
 
 Outcome take_attitude(const Command& command, ServicerAttitude* servicer) {
-  const auto told = command.arguments<bus::ServicerAttitudeCommand>();
-  if (!validity::is_time(told.timestamp_ns)) {
+  const auto reported = command.arguments<bus::ServicerAttitudeCommand>();
+  if (!validity::is_time(reported.timestamp_ns)) {
     return "time is beyond the year 2116";
   }
-  if (servicer->known && told.timestamp_ns <= servicer->timestamp_ns &&
-      !outvotes(told.timestamp_ns, &servicer->doubt)) {
+  if (servicer->known && reported.timestamp_ns <= servicer->timestamp_ns &&
+      !outvotes(reported.timestamp_ns, &servicer->doubt)) {
     return "time does not increase";
   }
-  *servicer = {
-      .known = true,
-      .timestamp_ns = told.timestamp_ns,
-      .q_IC =
-          Eigen::Quaterniond(told.q_IC[0], told.q_IC[1], told.q_IC[2], told.q_IC[3]).normalized(),
-      .w_C_rad_s = {told.w_C_rad_s[0], told.w_C_rad_s[1], told.w_C_rad_s[2]}};
+  *servicer = {.known = true,
+               .timestamp_ns = reported.timestamp_ns,
+               .q_IC = Eigen::Quaterniond(
+                           reported.q_IC[0], reported.q_IC[1], reported.q_IC[2], reported.q_IC[3])
+                           .normalized(),
+               .w_C_rad_s = {reported.w_C_rad_s[0], reported.w_C_rad_s[1], reported.w_C_rad_s[2]}};
   return kDone;
 }
 

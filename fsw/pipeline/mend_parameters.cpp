@@ -68,8 +68,8 @@ auto members_of(const CameraModel& m) {
 }
 
 bool tells_model(const CameraParameters& camera, const CameraModel& model) {
-  const CameraModel told = to_model(camera);
-  return members_of(told) == members_of(model);
+  const CameraModel stated = to_model(camera);
+  return members_of(stated) == members_of(model);
 }
 
 bool is_of_camera(const ParameterRow& row) { return row.key.starts_with("camera."); }

@@ -76,7 +76,7 @@ void list_observations(const MapState& mapping,
   }
 }
 
-/// Pose and rates have what the map's drift, a doubt, the scale and a contradicted camera add to
+/// Pose and rates have what the map's drift, inconsistency, scale and a contradicted camera add to
 /// their errors. No rates where the turns contradict the times, and none of a predicted pose.
 MotionState motion_state(std::int64_t timestamp_ns,
                          const StampDoubt& stamps,

@@ -178,13 +178,13 @@ SmoothedPose MapAtRest::from_image(const Frame& frame) {
   const MapInput input = map_input(*s);
   SmoothedPose smoothed;
   // The model goes through this time: no step leads there.
-  const auto told =
+  const auto prior =
       expected ? std::optional(ExpectedPose{.prediction = *expected,
                                             .poses_since_start = s->motion.poses_since_start})
                : std::nullopt;
-  if ((told && find_about(input, *told, &s->mapping)) ||
-      (relocalise_frame(input, &s->mapping) && (!told || plausible(*told, true, s->mapping)) &&
-       !is_ambiguous(input, told, &s->mapping))) {
+  if ((prior && find_about(input, *prior, &s->mapping)) ||
+      (relocalise_frame(input, &s->mapping) && (!prior || plausible(*prior, true, s->mapping)) &&
+       !is_ambiguous(input, prior, &s->mapping))) {
     smoothed.valid = true;
     smoothed.absolute = s->mapping.localised.absolute;
     smoothed.matches = static_cast<int>(s->mapping.localised.matches.size());
