@@ -43,7 +43,7 @@ inline bool repair(bool* value) {
   return true;
 }
 
-/// All enumerators from 0 to `last` exist.
+/// Is the value an enumerator? For an Enum that is numbered from 0 to `last` without gaps.
 template <typename Enum>
 bool is_enum(Enum value, Enum last) {
   using Number = std::underlying_type_t<Enum>;

@@ -1,4 +1,4 @@
-// Everything that this room remembers from step to step.
+// The state of the bus from step to step.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -20,9 +20,9 @@
 
 namespace polhode {
 
-/// Landmarks on their way to the bus, as they were when they were asked for.
+/// Landmarks in transmission, copied at the time of the request.
 struct CloudRequest {
-  FixedVector<std::array<float, 3>, limits::kLandmarks> points_T;  ///< in the unit said below
+  FixedVector<std::array<float, 3>, limits::kLandmarks> points_T;  ///< in the unit given below
   std::size_t next = 0;                                            ///< first point not yet sent
   std::uint16_t number = 0;                                        ///< of the request, from 1
   std::int64_t timestamp_ns = 0;
@@ -34,12 +34,12 @@ struct CloudRequest {
 inline constexpr std::size_t kPointsPerChunk =
     std::tuple_size_v<decltype(bus::CloudPacket::p_T)> / 3;
 
-/// Packets that so many points take.
+/// Packets for this number of points.
 constexpr std::size_t chunks_of(std::size_t points) {
   return (points + kPointsPerChunk - 1) / kPointsPerChunk;
 }
 
-/// How the camera is turned relative to inertial space, as last commanded.
+/// The camera's attitude relative to inertial space, as last commanded.
 struct ServicerAttitude {
   bool known = false;
   std::int64_t timestamp_ns = 0;
@@ -55,7 +55,7 @@ struct CommandCounts {
   bus::Rejection last_rejection = bus::Rejection::kNone;
 };
 
-/// What the last step ended with: events report where this one differs.
+/// Values at the end of the last step: events report their changes.
 struct Reported {
   bool started = false;
   Counters counters;
@@ -67,10 +67,11 @@ struct Reported {
   ScaleNumber scale{};
   std::uint32_t scale_not_improved = 0;
   std::uint32_t frame_of_loss = 0;
-  std::uint32_t target_frame = 0;  ///< that the last poses were reported in
+  std::uint32_t target_frame = 0;  ///< number of T at the last reported poses
 };
 
-/// Predictions on their way to the bus, and what the frame that they start from had.
+/// Predictions in transmission, with the time, number and attitude of the frame that they start
+/// from.
 struct PredictionsUnderWay {
   LookAhead walk;
   std::int64_t timestamp_ns = 0;
@@ -88,9 +89,9 @@ struct BusState {
   ServicerAttitude servicer;
   PredictionsUnderWay predictions;
   Reported reported;
-  ScaleNumber scale{};                                  ///< that lengths are published under
-  std::array<double, 4> q_CT_last{1.0, 0.0, 0.0, 0.0};  ///< published last: signs go on from it
-  std::uint32_t tables_damaged = 0;                     ///< found so in memory
+  ScaleNumber scale{};                                  ///< of the published lengths
+  std::array<double, 4> q_CT_last{1.0, 0.0, 0.0, 0.0};  ///< published last, for a continuous sign
+  std::uint32_t tables_damaged = 0;                     ///< found damaged in memory
 };
 
 }  // namespace polhode

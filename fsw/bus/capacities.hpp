@@ -11,11 +11,11 @@ namespace polhode::limits {
 // Commands executed in one step. Chosen: a ground pass sends a few a second.
 inline constexpr std::size_t kStepCommands = 8;
 
-// Commands that are recognised when they come again. Chosen: one step's and half as many before.
+// Commands that are recognised as repeats. Chosen: one step's and half as many before.
 inline constexpr std::size_t kCommandsRemembered = 12;
 
-// Seconds after the last command in which that holds, by the time of frames. Chosen: many times the
-// wait for an answer, and less than a ground station takes to start and count anew.
+// Seconds after the last command in which repeats are recognised, by the time of frames. Chosen:
+// many times the wait for an answer. A ground station takes longer to restart and count from 1.
 inline constexpr std::uint32_t kRepeat_s = 60;
 
 // Events of one step: two for each command (a refused table entry has one of its own) and eight of

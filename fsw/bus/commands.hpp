@@ -37,8 +37,8 @@ struct Command {
   [[nodiscard]] std::span<const std::uint8_t> entry_octets() const;
 };
 
-/// Why a packet is no command, or a command is not carried out. Each member is meaningful with the
-/// reasons said.
+/// Why a packet is not a command, or a command is not executed. Each member is valid for the
+/// reasons named beside it.
 struct Refusal {
   Rejection reason = Rejection::kNone;
   std::uint32_t octets = 0;           ///< kLength, kCrc: of the packet

@@ -21,7 +21,7 @@ void put_upper_triangle(const Matrix& m, std::array<float, kCount>* out) {
   }
 }
 
-/// What the scale's error adds to the covariance of a length.
+/// Covariance of a length by the scale's error.
 Eigen::Matrix3d scale_covariance(const Eigen::Vector3d& length, const LengthUnit& unit) {
   return unit.relative_sigma * unit.relative_sigma * length * length.transpose();
 }

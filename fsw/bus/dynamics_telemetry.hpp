@@ -37,7 +37,7 @@ PredictionPacket to_packet(const MotionPrediction& prediction,
                            const Eigen::Matrix3d& R_CI,
                            const LengthUnit& unit);
 
-/// Where a point will be. The caller sets the number of the question and that of T.
+/// The predicted position of a point. The caller sets the number of the request and that of T.
 PointPacket to_packet(const PointState& point);
 
 /// A prediction from the last poses alone, in C.

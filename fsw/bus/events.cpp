@@ -61,7 +61,7 @@ EventPacket packet_of(std::size_t index,
   return packet;
 }
 
-/// Ends a window and reports what is still suppressed.
+/// Ends a window and reports the events still suppressed.
 void end_window(std::uint32_t frame, EventLog* log) {
   log->window_begin = frame;
   for (std::size_t i = 0; i < kEventKinds; ++i) {

@@ -36,11 +36,11 @@ struct EventDetails {
   std::string_view word = {};      ///< cut where the text is full
 };
 
-/// What the functions of event_reports.hpp share, by which alone events are reported. Past its id's
-/// burst in a window, or with no room left in this step, an event is only counted.
+/// Implementation of the functions of event_reports.hpp; all other code reports events by those.
+/// Past its id's burst in a window, or with no room left in this step, an event is only counted.
 void log_event(EventId id, const EventDetails& details, EventLog* log);
 
-/// Sends what was reported in this step.
+/// Sends the events of this step.
 /// @param frame  a window ends with the frame bus.event_window_frames after its first one. Events
 /// still suppressed are then reported by one event of their id, with the numbers of the last one.
 void send_events(std::uint32_t frame,
@@ -50,7 +50,7 @@ void send_events(std::uint32_t frame,
                  PacketStream* stream);
 
 /// Fills `out` with the text of an event, by its row's pattern: numbers with six digits, whole ones
-/// in full and without a point. @return octets written; what does not fit is cut.
+/// in full and without a point. @return octets written; text beyond `out` is cut.
 std::size_t event_text(std::string_view pattern, const EventDetails& details, std::span<char> out);
 
 }  // namespace polhode::bus

@@ -12,8 +12,8 @@ namespace polhode {
 /// Why a frame was not used, or that it was.
 struct FrameUseRow {
   FrameUse use;
-  std::uint32_t Counters::*counter;  ///< nullptr: it is counted by what is wrong with the picture
-  bool looked_at;                    ///< there was a picture, good or bad, with a time of its own
+  std::uint32_t Counters::*counter;  ///< nullptr: it is counted by the image's fault
+  bool looked_at;                    ///< there was an image, good or bad, with a time of its own
 };
 
 inline constexpr FrameUseRow kFrameUseRows[] = {
@@ -30,7 +30,7 @@ inline constexpr FrameUseRow kFrameUseRows[] = {
     {FrameUse::kBitErrors, nullptr, true},
 };
 
-/// What is wrong with a picture: counted whether it is skipped for that or used for a pose only.
+/// A fault of an image: counted both if the frame is skipped and if it is used for a pose only.
 struct FrameFaultRow {
   FrameFault fault;
   FrameUse skipped;  ///< use of a frame that is skipped for it

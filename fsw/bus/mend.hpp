@@ -1,4 +1,4 @@
-// The bus's own state, put right after bit flips.
+// Repair of the bus's own state after bit flips.
 #pragma once
 
 #include "base/repair.hpp"
@@ -6,8 +6,8 @@
 
 namespace polhode {
 
-/// Nothing happens to a sound one. What is not sound becomes what it is at the start; counts of
-/// packets lose the bits that they do not have. A cloud on its way with impossible counts ends.
+/// Leaves a valid state unchanged. Invalid parts take their initial values; counts of packets are
+/// cut to their width. A cloud in transmission with impossible counts ends.
 Repair repair(BusState* bus);
 
 }  // namespace polhode

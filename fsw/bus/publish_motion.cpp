@@ -14,7 +14,7 @@ bool dynamics_accepted(const View& view) {
   return view.motion_options->mode == MotionMode::kDynamics && view.estimate->model.accepted();
 }
 
-/// The rate that the motion packet has.
+/// Copies the rate of the motion packet.
 void put_local_rate(const MotionState& motion, const PoseHistory& poses, ModelPacket* packet) {
   packet->poses = static_cast<std::uint32_t>(poses.size());
   if (!poses.empty()) {
@@ -63,7 +63,7 @@ void send_model(const View& view, BusState* bus) {
   const bool reached = dynamics_hold(*view.estimate, *view.motion_options) &&
                        move_reference(motion.timestamp_ns, model);
   if (!reached && model.accepted()) {
-    model = {};  // its time is out of reach, or the mode asks for pairs of poses
+    model = {};  // its time is out of reach, or the dynamics are not valid now
   }
   ModelPacket packet = to_packet(model, view.estimate->R_IC.transpose(), view.unit);
   packet.timestamp_ns = motion.timestamp_ns;

@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t kSequenceOctet = 2;     // of the primary header, CCSDS 133.0-B
 constexpr std::uint16_t kCountBits = 0x3FFF;  // 14 bits, by the same
 
-/// Of the whole packet, its sequence count included. Never 0, which stands for none.
+/// Checksum of the whole packet, its sequence count included. Never 0, the mark of an empty entry.
 std::uint32_t identity(std::span<const std::uint8_t> octets) {
   return std::max<std::uint32_t>(crc32_iso_hdlc(octets), 1);
 }

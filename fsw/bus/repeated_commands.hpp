@@ -23,12 +23,12 @@ std::uint16_t command_sequence(std::span<const std::uint8_t> octets);
 /// The count after this one, 1 .. 16383.
 std::uint16_t next_command_sequence(std::uint16_t sequence);
 
-/// The sequence count that a command's answers bear; 0 where the octets are not as they were sent.
+/// The sequence count for a command's answers; 0 if the octets are damaged.
 /// @param octets  of any length.
 std::uint16_t answered_sequence(std::span<const std::uint8_t> octets);
 
-/// True for a command with a sequence count that was remembered with all its octets. Commands that
-/// are older than limits::kRepeat_s are forgotten: by then a sender may count from 1 again.
+/// True for a command with a sequence count that was remembered with all its octets. Commands older
+/// than limits::kRepeat_s do not count: by then a sender may count from 1 again.
 /// @param time_ns  of the last frame, so that neither its rate nor a pause matters. Where a clock
 /// was set back, by no more than that period, they are remembered for so much longer.
 bool was_done(std::span<const std::uint8_t> octets, std::int64_t time_ns, const CommandsDone& done);

@@ -14,7 +14,7 @@
 namespace polhode::bus {
 namespace {
 
-// Two numbers of six digits with a sign and an exponent, and what is between them.
+// Two numbers of six digits with a sign and an exponent, and the text between them.
 constexpr std::size_t kWordsOctetsMax = 64;
 
 void report_mode(const View& view, BusState* bus) {
@@ -45,7 +45,7 @@ void report_mode(const View& view, BusState* bus) {
   }
 }
 
-/// What rates and predictions rest on. A frame without either changes nothing.
+/// Reports a change of the model behind rates and predictions. A frame without either is skipped.
 void report_motion(const View& view, BusState* bus) {
   const std::uint8_t now = dynamics_in_force(view);
   std::uint8_t& reported = bus->reported.dynamics;
@@ -56,7 +56,7 @@ void report_motion(const View& view, BusState* bus) {
   reported = now;
 }
 
-/// Times that are not those of the pictures: said when it is found, and again after it was over.
+/// Reports contradicted time stamps and implausible rates, each once until it has ended.
 void report_times(const View& view, BusState* bus) {
   // Chosen: five turns a second, several times what the fastest bodies in orbit are known to do.
   constexpr double kImplausible_deg_s = 1800.0;
@@ -78,8 +78,8 @@ void report_times(const View& view, BusState* bus) {
   reported.rate_implausible = rate_deg_s > kImplausible_deg_s;
 }
 
-/// Said when a test contradicts what was stated, and again after it was borne out. A principal
-/// point is one statement of two numbers; all others are told with their sigma.
+/// Reports a contradiction of the stated camera once, and again only after a consistent test. The
+/// principal point is one event with two coordinates; all others have a sigma.
 void report_camera(const CameraDoubt& camera, BusState* bus) {
   const CameraFinding& found = *camera.found;
   const auto before = std::exchange(bus->reported.contradicted, found.contradicted);
@@ -108,7 +108,7 @@ void report_camera(const CameraDoubt& camera, BusState* bus) {
   }
 }
 
-/// What the scale was, and what it is. That a first map has a unit of its own is no news.
+/// Reports a new scale, with the one before. A first map's own unit is not reported.
 void report_scale(const ScaleState& scale, BusState* bus) {
   const ScaleNumber before = bus->reported.scale;
   const std::uint32_t number = bus->scale.number;
@@ -193,7 +193,7 @@ void report_changes(const View& view, BusState* bus) {
   reported.started = true;
   reported.counters = now;
   reported.mode = motion.mode;
-  // A map may begin and be lost within a step: nobody has heard of its frame then.
+  // A map may begin and be lost within a step: its frame has not been reported then.
   reported.target_frame =
       motion.mode == Mode::kTracking ? motion.target_frame : reported.target_frame;
 }

@@ -1,4 +1,4 @@
-// Events that come from what has changed since the last step.
+// Events by changes since the last step.
 #pragma once
 
 #include <cstdint>

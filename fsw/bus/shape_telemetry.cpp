@@ -36,7 +36,7 @@ void put_planes(const Planes& planes, double unit, ShapePacket* packet) {
   }
 }
 
-/// Which axes follow from the body's geometry, and what each dimension rests on.
+/// The axes determined by the body's geometry, and the basis of each dimension.
 void put_axes(const Shape& shape, ShapePacket* packet) {
   constexpr std::array<std::uint8_t, 3> kFlags{
       shape_layout::kFlagAxisX, shape_layout::kFlagAxisY, shape_layout::kFlagAxisZ};

@@ -1,12 +1,12 @@
-// Whether the bus's own state holds what may be computed with: after it came from a file.
+// Validity checks of the bus's own state, after it was read from a file.
 #pragma once
 
 #include "bus/bus_state.hpp"
 
 namespace polhode {
 
-/// What goes on after a restart: sequence counts in their 14 bits, numbers finite, quaternions of
-/// unit norm, kinds that exist.
+/// Checks the members that continue after a restart: sequence counts in their 14 bits, numbers
+/// finite, quaternions of unit norm, kinds that exist.
 bool is_valid(const BusState& bus);
 
 /// Parts of it:

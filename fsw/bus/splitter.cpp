@@ -46,7 +46,7 @@ Verdict judge(std::span<const std::uint8_t> rest, PacketHeader& header) {
   return crc_is_right(rest.first(header.total_octets)) ? Verdict::kWhole : Verdict::kNotAPacket;
 }
 
-/// An idle packet, with the beginning of what follows where that is there.
+/// Checks an idle packet, and the beginning of the next packet where it is in the stream.
 Verdict judge_idle(std::span<const std::uint8_t> rest, PacketHeader& header) {
   const bool plausible = rest[0] == 0x07 && (rest.size() < 2 || rest[1] == 0xFF) &&
                          (rest.size() < 3 || (rest[2] & 0xC0U) == 0xC0U);
@@ -64,7 +64,7 @@ Verdict judge_idle(std::span<const std::uint8_t> rest, PacketHeader& header) {
   return next == 0x07 || (next & 0xF8U) == 0x08U ? Verdict::kIdle : Verdict::kNotAPacket;
 }
 
-/// Whose a primary header may be.
+/// The possible owner of a primary header.
 enum class Owner { kNobody, kRun, kFill, kOther };
 
 Owner owner_of(std::span<const std::uint8_t> header, int apid_first) {
@@ -86,8 +86,8 @@ Owner owner_of(std::span<const std::uint8_t> header, int apid_first) {
              : Owner::kNobody;
 }
 
-/// Of another application, or an idle packet before such: with a few headers behind it followed
-/// from length to length.
+/// Checks a packet of another application, or an idle packet before one. It is followed by its
+/// length to the next few headers, which must be plausible.
 Verdict judge_skipped(std::span<const std::uint8_t> rest,
                       int apid_first,
                       bool at_end,

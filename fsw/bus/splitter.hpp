@@ -1,4 +1,4 @@
-// Finds the whole packets in a stream of octets that may be damaged, and what lies between them.
+// Finds the whole packets in a stream of octets with possible damage, and the pieces between them.
 #pragma once
 
 #include <cstddef>
@@ -11,10 +11,10 @@ namespace polhode::bus {
 
 enum class PieceKind : std::uint8_t {
   kPacket,      ///< fixed bits, length and CRC are right
-  kIdle,        ///< a CCSDS idle packet: it fills a frame up, and says nothing
+  kIdle,        ///< a CCSDS idle packet: it fills up a frame and has no content
   kForeign,     ///< a packet of another application, without our secondary header or CRC
   kDamaged,     ///< octets that belong to no whole packet
-  kIncomplete,  ///< the front of what may be a packet; more octets are needed (never with at_end)
+  kIncomplete,  ///< the front of a possible packet; more octets are needed (never with at_end)
 };
 
 struct StreamPiece {
@@ -24,21 +24,20 @@ struct StreamPiece {
   PacketHeader header;  ///< of a kPacket
 };
 
-/// Where a piece is looked for.
+/// What precedes a piece, and the APIDs of the run.
 struct StreamPlace {
-  /// The piece before was damage. Only a CRC tells where packets go on: what looks like another
-  /// application's is not believed there.
+  /// The piece before was damage. Then only a CRC shows where a packet begins: a header of another
+  /// application is not accepted.
   bool after_damage = false;
-  int apid_first = 0x1A0;  ///< of the run: what bears one of its 16 APIDs is its packet, or damage
+  int apid_first = 0x1A0;  ///< of the run: headers with its 16 APIDs are its packets, or damage
 };
 
 /// The piece that starts at `offset` (< stream.size()). Pieces have no gaps or overlaps: continue
 /// at piece.offset + piece.octets. A kIncomplete one reaches to the end; ask again with more
 /// octets. Damage loses only the packets that it touches: the search continues octet by octet after
 /// the first bad one.
-/// A packet of another application is told by its primary header, and by what lies behind it:
-/// another primary header or the end. At most 4096 octets are passed over so: more could hide
-/// packets.
+/// A packet of another application is recognised by its primary header and by the octets after it:
+/// another primary header or the end. At most 4096 octets are skipped so: more could hide packets.
 /// @param at_end  no more octets will come: an incomplete packet is damage, too.
 /// @cost  one CRC per place that looks like a header. Noise does with probability 2^-27 (22 fixed
 /// bits and the length), and passes the CRC as well with 2^-43.

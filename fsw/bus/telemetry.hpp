@@ -29,7 +29,7 @@ struct Envelope {
 
 /// Sanitises the packet (see fields.hpp), then writes header, fields and CRC into the front of
 /// `out`.
-/// @return octets written, or 0 (nothing written) when `out` is shorter than the layout says.
+/// @return octets written, or 0 (nothing written) when `out` is shorter than the layout.
 std::size_t encode(const Layout& layout,
                    void* packet,
                    const Envelope& envelope,
@@ -37,13 +37,13 @@ std::size_t encode(const Layout& layout,
 
 /// Reads exactly one packet of this layout.
 /// @errors BadParameter: length, header, layout version, CRC, or a value out of the field table's
-/// range; the message says which.
+/// range; the message names the failed check.
 Result<PacketHeader> decode(const Layout& layout,
                             std::span<const std::uint8_t> octets,
                             void* packet);
 
 /// The packets of one step and the counts of all APIDs. Packets are counted with or without room
-/// and readers, so that a reader sees what it missed.
+/// and readers, so that a reader can count the missing ones.
 struct PacketStream {
   std::array<std::uint8_t, limits::kStepOctets> octets{};
   std::size_t size = 0;

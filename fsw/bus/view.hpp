@@ -1,4 +1,4 @@
-// What a step has found, as this room sees it.
+// The results of a step, as input of the bus.
 #pragma once
 
 #include <cstddef>
@@ -33,17 +33,17 @@ struct TableStatus {
   std::uint32_t loaded_crc = 0;
   std::uint32_t loaded_entries = 0;
   bool loaded = false;            ///< an inactive table is under way
-  std::size_t memory_octets = 0;  ///< that the component was given
+  std::size_t memory_octets = 0;  ///< memory given to the component
 };
 
-/// The stated camera, and what a test has found of it.
+/// The stated camera, and the result of its test.
 struct CameraDoubt {
   const CameraModel* stated = nullptr;
   const CameraFinding* found = nullptr;
   CameraError error;
 };
 
-/// What a step has found, room by room. Pointers are never null.
+/// The results of a step, room by room. Pointers are never null.
 struct View {
   FrameUse use = FrameUse::kUsed;
   FrameVerdict verdict;

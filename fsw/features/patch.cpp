@@ -28,7 +28,8 @@ struct RowPlaces {
   std::array<float, kRow<kSide>> down;
 };
 
-/// The four pixels around each sample of a row: left and right alternate, above and below.
+/// The four pixels around each sample of a row: those above it and those below it. In each list
+/// the left and the right one of a sample follow each other.
 template <int kSide>
 struct RowPixels {
   std::array<float, 2 * kRow<kSide>> above;
@@ -40,7 +41,8 @@ using WholeLanes = LaneMask<Lanes>;  // integers of 32 bits
 
 template <class Lanes, int kSide, bool kInside>
 void place_row(const Plane& level, const PatchFrame& frame, int j, RowPlaces<kSide>* out) {
-  constexpr float kMiddle = 0.5F * (kSide + 1);  // of the grid with its margin
+  // Index of the centre: with a margin of one the samples of a row or column are 0 .. kSide + 1.
+  constexpr float kMiddle = 0.5F * (kSide + 1);
   // The last pixel has no right neighbour to interpolate with: stay short of it, by more than the
   // spacing of floats at limits::kWorkingSide (2.4e-4).
   constexpr float kHair = 1e-3F;
@@ -164,7 +166,8 @@ void to_polar(const Levels<kSide>& levels, Gradients<kSide>* out) {
 
 template <int kSide>
 void sample_gradients(const Plane& level, const PatchFrame& frame, Gradients<kSide>* out) {
-  constexpr float kReach = 0.5F * (kSide + 1);  // of the grid with its margin, in steps
+  // Steps from the centre to the outermost samples, in the margin of one.
+  constexpr float kReach = 0.5F * (kSide + 1);
   const float reach = kReach * (std::abs(frame.step_x) + std::abs(frame.step_y)) + 1.0F;
   const bool inside = frame.x >= reach && frame.y >= reach &&
                       frame.x + reach < static_cast<float>(level.width - 1) &&

@@ -16,8 +16,8 @@ struct PatchFrame {
   float step_y = 0.0F;
 };
 
-/// Length (gray levels per two steps) and direction (0 .. 2 pi, from the columns' direction towards
-/// the rows') of kSide x kSide gradients, row by row.
+/// kSide x kSide gradients, row by row. Lengths are in gray levels per two steps of the grid.
+/// Directions are in 0 .. 2 pi: 0 towards the next column, pi / 2 towards the next row.
 template <int kSide>
 struct Gradients {
   static constexpr int kCount = kSide * kSide;

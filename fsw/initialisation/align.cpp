@@ -44,7 +44,7 @@ struct Spot {
   double sigma_px = 0.0;
 };
 
-/// Searches for the middle view about a place of another frame.
+/// Searches another frame for the patch of the middle view, about `guess.place_px`.
 std::optional<Spot> find_again(const Crop& crop,
                                const LocalMotion& guess,
                                double zncc_min,
@@ -83,7 +83,8 @@ std::optional<InitialObservation> aligned(const Alignment& a,
   return moved;
 }
 
-/// Does another track already have the spot? A track that still waits is marked as the same spot.
+/// Has another track already been aligned to this spot? Tracks there that have not had their turn
+/// are marked kSame on the way.
 bool is_taken(const Alignment& a, std::size_t frame, const Spot& spot, AlignmentWorkspace* w) {
   for (std::size_t i = 0; i < a.places.size(); ++i) {
     if (i == a.track || w->turns[i] == Turn::kSame || !a.places[i].has(frame) ||

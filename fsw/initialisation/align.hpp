@@ -30,7 +30,8 @@ struct InitialImages {
 
 /// Holds nothing between calls.
 struct AlignmentWorkspace {
-  enum class Turn : std::uint8_t { kWaits, kAligned, kSame };  ///< kSame: of another's spot
+  /// kSame: another track has its spot.
+  enum class Turn : std::uint8_t { kWaits, kAligned, kSame };
 
   PatchTemplate patch;
   std::array<Turn, limits::kInitialTracks> turns{};

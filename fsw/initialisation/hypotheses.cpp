@@ -17,8 +17,9 @@
 namespace polhode {
 namespace {
 
-// Weights of equal principal extents in the upgrade from affine to metric. With much rotation the
-// data decide alone; with little, noise fills the third axis. Chosen: none, weak and strong.
+// Weights of the assumption that the body is as deep as wide, in the upgrade from affine to metric.
+// With much rotation the images give the depth; with little, noise would give it. Chosen: none,
+// weak and strong.
 constexpr std::array<double, 3> kIsotropies{0.0, 0.03, 0.3};
 // Least points that a hypothesis from two views must place, and that two geometries must share.
 // Chosen; with fewer a comparison by the median is a matter of chance.
@@ -26,7 +27,8 @@ constexpr std::size_t kHypothesisPointsMin = 8;
 // Depths within a factor of two of their median: a body that is entirely in view reaches no
 // farther.
 constexpr double kDepthFactorMax = 2.0;
-// Smaller rotations are compared relative to this: their own ratio is noise.
+// Two rotations are compared relative to the larger, and at least to this: ratios of smaller ones
+// are noise.
 constexpr double kRotationMin_rad = 0.02;
 
 /// The core's images, frame by frame, rotated so that the mean of the tracks lies on the optical

@@ -1,4 +1,4 @@
-// Descriptors of landmarks from all their sides, as a search by appearance alone takes them.
+// Descriptors of landmarks from all their views, for a search by appearance alone.
 #pragma once
 
 #include <cstddef>
@@ -11,16 +11,16 @@
 
 namespace polhode {
 
-/// A row a view of a landmark.
+/// One row for each view of a landmark.
 struct DescriptorTable {
   std::vector<std::uint8_t> octets;
   std::vector<std::int32_t> landmark;  ///< slot
-  std::vector<std::int32_t> view;      ///< of its views
+  std::vector<std::int32_t> view;      ///< index into its views
 };
 
-/// Views of the landmarks that take part, at most kRowsMax: of more every second landmark, or every
-/// third, stands for the rest.
-/// @param turn  from turn to turn others stand for them.
+/// Views of the selected landmarks, at most kRowsMax: of more, only every second or third landmark
+/// is taken.
+/// @param turn  number of the call; each takes other landmarks.
 template <typename TakesPart>
 DescriptorTable views_of(const Map& map, std::size_t turn, const TakesPart& takes_part) {
   constexpr std::size_t kRowsMax = 4000;  // 600 x 3200 distances take 7 ms
@@ -45,7 +45,7 @@ DescriptorTable views_of(const Map& map, std::size_t turn, const TakesPart& take
   return table;
 }
 
-/// For each feature the two rows that look most alike.
+/// The two rows nearest to each feature's descriptor.
 inline std::vector<Neighbours> nearest_rows(const DescriptorTable& table,
                                             const Features& features) {
   std::vector<std::uint8_t> queries;

@@ -61,8 +61,8 @@ bool wants_keyframe(const Map& map, const Pose& pose, int inliers, const MapOpti
   if (order.empty()) {
     return true;
   }
-  // Over a rotation a of a young map the depth error falls as 1 / a^2: a view that adds 0.15 a
-  // reduces it by a quarter.
+  // While a map is young, its depth error falls as 1 / a^2 with the angle a that its views span: a
+  // view that adds 0.15 a to that reduces the error by a quarter.
   constexpr double kWider = 0.15;
   double nearest_rad = 10.0;
   double farthest_rad = 0.0;

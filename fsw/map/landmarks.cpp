@@ -159,7 +159,7 @@ void list_near(const Eigen::Vector3d& line_b,
       any |= inside[i];
     }
     if (any == 0) {
-      continue;  // most grains have no feature near the line
+      continue;  // most groups of kGrain features have none near the line
     }
     for (std::size_t i = 0; i < LineTable::kGrain && begin + i < count; ++i) {
       if (inside[i] != 0) {
@@ -271,8 +271,8 @@ void match_partner(const Keyframe& own,
   }
 }
 
-/// Does the keyframe lie between the landmark's first and last keyframe, to kRecentKeyframes? Else
-/// there is drift between them.
+/// Does the keyframe lie between the landmark's first and last keyframe, or at most
+/// kRecentKeyframes before or after them? Else there is drift between keyframe and landmark.
 bool of_same_stretch(const Landmark& landmark, const Keyframe& keyframe) {
   return keyframe.number + kRecentKeyframes >= landmark.created_keyframe &&
          keyframe.number <= landmark.seen_keyframe + kRecentKeyframes;

@@ -16,7 +16,8 @@ struct CreateOptions {
 
 /// Free features of a partner in the layout of a search along epipolar lines: a column a quantity.
 struct LineTable {
-  static constexpr std::size_t kGrain = 8;  ///< doubles of a 512-bit register: rows end whole
+  /// Doubles of a 512-bit register: columns are padded to a multiple of it.
+  static constexpr std::size_t kGrain = 8;
   using Column = std::array<double, (limits::kFeatures + kGrain - 1) / kGrain * kGrain>;
   Column x{};  ///< normalised
   Column y{};

@@ -171,7 +171,7 @@ cv::Rect region_of_interest(const MaskState& s) {
   if (has_seeds) {
     return box_of_cuts(s);  // the cuts move the outline no farther
   }
-  // A quarter on each side: half as large again, as half of the target may still be missing.
+  // A quarter of its size more on each side, as the outline may still lack parts of the target.
   const cv::Rect box = cv::boundingRect(s.outline);
   return grown(box, std::max(kMarginMin_px, std::max(box.width, box.height) / 4)) & whole;
 }
@@ -222,8 +222,8 @@ void remember_background(bool explained, MaskState* s) {
   }
 }
 
-/// By turns with a map only: before one, outlines before a limb overlap by 0.04 less (decision
-/// 0013).
+/// Adds points to follow. By turns only where there is a map: without one, outlines of a target
+/// before the Earth's limb overlap by 0.04 less (decision 0013).
 void refill(MaskState* s) {
   const Refill later = has_map(*s) ? Refill::kByTurns : Refill::kBandAndTarget;
   refill_points(s->found ? cv::boundingRect(s->outline) : cv::Rect(),
@@ -347,8 +347,9 @@ void sharpen_outline(MaskState* s) {
     cut_at_edges(scratch.edges, cost, {.px = far_px, .cell_px = step}, &s->outline);
     cut_at_edges(scratch.edges, cost, {.px = kNearReach_px}, &s->outline);
   } else {
-    // No appearance here: before a map outlines lack a face or include a shadow, and it would add
-    // to that (decision 0008). Cut by cells, maps before a limb begin later.
+    // No appearance here: as long as there is no map, outlines lack a face or include a shadow, and
+    // it would add to that (decision 0008). A first cut by cells would delay maps where
+    // the Earth's limb is behind the target.
     cut_at_edges(scratch.edges, cost, {.px = far_px}, &s->outline);
   }
   if (cv::boundingRect(s->outline).area() < kTargetAreaMin) {
@@ -377,7 +378,7 @@ void open_outline(const cv::Size& image_px, MaskState* s, TargetMask* mask) {
 }
 
 void clear(MaskState* s) {
-  clear(&s->points);  // the next image is the first again, which clears the comparison
+  clear(&s->points);  // the next image then counts as the first, which clears the comparison
   s->behind = false;
   s->found = false;
   s->sharp = false;

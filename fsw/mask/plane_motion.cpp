@@ -24,7 +24,8 @@ constexpr std::size_t kAgreeMin = 8;
 // Coordinates in hundreds of pixels keep the equations' terms of one size.
 constexpr double kUnit_px = 100.0;
 
-/// Two equations, linear in the eight unknowns (the ninth element is 1): row * unknowns = u, or v.
+/// Two equations of a homography by one pair of points, linear in its eight unknowns (the ninth
+/// element is 1): row * unknowns = u, or v.
 struct PairEquations {
   Vector8d row_u, row_v;
   double u = 0.0, v = 0.0;
@@ -41,7 +42,7 @@ PairEquations equations_of(const cv::Point2f& from, const cv::Point2f& to) {
   return e;
 }
 
-/// Back to pixels.
+/// The homography between pixels, by its unknowns in units of kUnit_px.
 cv::Matx33d in_pixels(const Vector8d& h) {
   return {h(0),
           h(1),
@@ -54,7 +55,7 @@ cv::Matx33d in_pixels(const Vector8d& h) {
           1.0};
 }
 
-/// Nothing where the points are degenerate.
+/// The homography through the sample's four pairs of points; nothing where it is not finite.
 std::optional<cv::Matx33d> through_four(std::span<const cv::Point2f> from,
                                         std::span<const cv::Point2f> to,
                                         const Sample<4>& sample) {

@@ -11,7 +11,7 @@
 
 namespace polhode {
 
-/// A number with its observability. Where unobserved, `value` means nothing and must not be shown.
+/// A number with its observability. Where unobserved, `value` is not valid and must not be shown.
 struct Estimated {
   double value = 0.0;
   double sigma = 0.0;

@@ -17,7 +17,7 @@ PoseCovariance of_point(const PoseCovariance& covariance, const Eigen::Vector3d&
   return by * covariance * by.transpose();
 }
 
-/// Is the integration to that time short enough? The rate is taken to stay what it is.
+/// Is the integration to that time short enough? Assumes a constant rate.
 bool within_steps(const RigidModel& model, std::int64_t timestamp_ns) {
   const double rate_rad_s = model.reference.w_T_rad_s.norm() + model.orbit.mean_motion_rad_s;
   const double turn_rad = rate_rad_s * std::abs(seconds_between(model.reference_ns, timestamp_ns));

@@ -1,5 +1,4 @@
-// Where a point of the body will be, and which way its surface will face: what the planner of a
-// capture asks.
+// Prediction of a point of the body and of its surface normal, for the planner of a capture.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,7 +12,7 @@
 
 namespace polhode {
 
-/// Steps of the integration that a question may take: 100 rad, about 2 ms with its derivatives.
+/// Steps of the integration for one request: 100 rad, about 2 ms with its derivatives.
 inline constexpr int kPointStepsMax = 2000;
 
 /// A point in I, seen from the observer, and the body's attitude there. Unit of the poses.
@@ -26,12 +25,12 @@ struct PredictedPoint {
   bool by_dynamics = false;  ///< else by the last poses alone
 };
 
-/// By the dynamics where they hold, else by the last poses, and then kPredictionsAhead_s.front()
-/// after them at most. Errors of motion, mass centre and map are in it; those of scale and camera
-/// are not.
+/// By the dynamics where they are valid; else by the last poses, and then at most
+/// kPredictionsAhead_s.front() after them. The covariance includes errors of motion, mass centre
+/// and map, but not of scale and camera.
 /// @param p_T           the point, taken as exact.
 /// @param timestamp_ns  not before the last pose.
-/// @errors Degenerate (no motion is known that reaches the time in kPointStepsMax steps).
+/// @errors Degenerate (no valid motion reaches the time in kPointStepsMax steps).
 Result<PredictedPoint> predict_point(const Eigen::Vector3d& p_T,
                                      std::int64_t timestamp_ns,
                                      const MapDrift& drift,

@@ -13,20 +13,20 @@ namespace {
 constexpr double kChi2Max = 4.0 * 22.5;
 constexpr std::uint32_t kDisagreementsMax = 3;
 // Twice 99.9 %: over so short a time most errors are common to both poses. On free bodies one pose
-// in a hundred departs (decision 0070).
+// in a hundred is inconsistent (decision 0070).
 constexpr double kChi2DepartsMax = 2.0 * 22.5;
-// One may be a wrong pose. Two in succession are a contact, or a manoeuvre that nobody reported.
+// One may be an outlier. Two in succession are a contact, or an unreported manoeuvre.
 constexpr std::uint32_t kDeparturesMax = 2;
-// So often in succession is the same picture believed to be a repeat; then the body has stopped.
-// Chosen: a transfer that is retried gives two or three.
+// Repeats of one image in succession; after more of them the body has stopped. Chosen: a transfer
+// that is retried gives two or three.
 constexpr std::uint32_t kRepeatsMax = 5;
-// A motion that led to as many poses as its rotation has unknowns was right.
+// A model counts as validated after it predicted as many poses as its rotation has unknowns.
 constexpr std::uint32_t kLedToMin = kRotationUnknowns;
 
-/// Does the model's motion not lead here from the last pose that it led to? Unlike its attitude
-/// this tells a change of the rate at once: the map's drift and the model's phase cancel.
-/// @return nothing where that cannot be told: over a gap the body may have turned by any number of
-/// turns.
+/// Is the pose inconsistent with the motion predicted from the last consistent one? This shows a
+/// change of the rate at once: the map's drift and the model's phase error cancel.
+/// @return nothing without a prediction, or where the number of turns over the interval is
+/// ambiguous.
 std::optional<bool> departs(const PoseSample& sample,
                             const PoseCovariance& drift_I,
                             const MotionEstimate& m) {
@@ -42,17 +42,18 @@ std::optional<bool> departs(const PoseSample& sample,
   if (!at) {
     return std::nullopt;
   }
-  return !(chi2_between(at.value(), sample) <= kChi2DepartsMax);  // a NaN departs
+  return !(chi2_between(at.value(), sample) <= kChi2DepartsMax);  // true for a NaN
 }
 
-/// chi2 of two poses being one. In C, where the same picture shows the same pose, however the
-/// observer has turned.
+/// chi2 of the hypothesis that two poses are equal. In C: a repeated image has the same pose there,
+/// even if the observer has rotated.
 double chi2_of_same(const PoseSample& a, const PoseSample& b) {
   return chi2_between({.pose = b.pose, .covariance = b.covariance, .translation_known = true}, a);
 }
 
-/// The motion leads on past a pose that had departed: that one was wrong.
-/// @return its time; nothing where none had.
+/// Removes the previous pose if it was inconsistent: this one is consistent, so that was an
+/// outlier.
+/// @return the time of the removed pose.
 std::optional<std::int64_t> forget_departed(MotionEstimate* m) {
   static_assert(kDeparturesMax == 2, "of two, one is left to forget");
   if (m->departures == 0) {
@@ -68,8 +69,8 @@ std::optional<std::int64_t> forget_departed(MotionEstimate* m) {
   return wrong_ns;
 }
 
-/// The body moves otherwise than before since the first of the poses that departed; the last of
-/// them is still to be remembered.
+/// A disturbance before the first inconsistent pose: drops all poses before that one. The last
+/// inconsistent pose is not stored yet.
 void begin_anew(MotionEstimate* m) {
   const std::size_t kept = m->departures - 1;
   const std::int64_t since_ns = m->recent[m->recent.size() - kept].timestamp_ns;
@@ -87,8 +88,8 @@ void begin_anew(MotionEstimate* m) {
 }  // namespace
 
 bool repeats_last(const PoseSample& seen_C, MotionEstimate* m) {
-  // Of what the last step lets expect. Noise hides nine tenths of a step that stood out from it
-  // (kChi2Max) hardly ever.
+  // Part of the rotation expected at the last rate. Noise rarely hides nine tenths of a significant
+  // rotation (kChi2Max).
   constexpr double kPart = 0.1;
   double chi2 = 0.0;
   double step_rad = 0.0;

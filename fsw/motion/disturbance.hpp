@@ -1,4 +1,4 @@
-// Does the body still move as the model has it? Poses judge that one by one.
+// Checks of each pose against the fitted model of the motion, to detect a disturbance of the body.
 #pragma once
 
 #include <cstdint>
@@ -10,43 +10,46 @@
 namespace polhode {
 
 struct PoseJudgement {
-  /// The model is gone, and what was before the first pose that departed.
+  /// True after a disturbance: the model and all poses before the first inconsistent one are
+  /// dropped.
   bool begun_anew = false;
-  /// Time of the pose before, which had departed: it was wrong, and is forgotten.
+  /// Time of the previous pose if it was an outlier of the motion; it is removed.
   std::optional<std::int64_t> withdrawn_ns;
 };
 
-/// Nothing has moved since the last picture, though it did until then: it has been delivered twice,
-/// encoded anew. Its pose says nothing of the motion. The same one a sixth time is a body at rest.
-/// @param seen_C  remembered where it is no repeat.
+/// True for a repeated image, delivered twice and encoded again: a body that rotated until the last
+/// pose shows no step. Such a pose carries no information on the motion. After five repeats in
+/// succession the body counts as stopped.
+/// @param seen_C  stored unless it is a repeat.
 [[nodiscard]] bool repeats_last(const PoseSample& seen_C, MotionEstimate* motion);
 
-/// A measured pose, in I: is it where the model has it, and does the model's motion lead there from
-/// the last pose that it led to? The second tells a change of the rate at once: the map's drift and
-/// the model's phase cancel.
+/// Checks a measured pose, in I, against the model's pose and against the motion predicted from the
+/// last consistent pose. The second check shows a change of the rate at once: the map's drift and
+/// the model's phase error cancel.
 /// @param drift_I  error that poses of one visible face share.
 [[nodiscard]] PoseJudgement judge_pose(const PoseSample& sample,
                                        const PoseCovariance& drift_I,
                                        MotionEstimate* motion);
 
-/// A pose that says nothing of the motion: the map has moved under it.
+/// Resets the count of inconsistent poses, for a pose that cannot be checked: the map has moved.
 void pass_over_pose(MotionEstimate* motion);
 
-/// The map has moved, and the last pose seen is this one in it: the same picture shows it again.
+/// Replaces the stored last pose after a map correction, as a repeated image has the corrected
+/// pose.
 void move_seen(const Pose& pose_C, MotionEstimate* motion);
 
-/// As if no pose had been seen yet: none repeats the last one.
+/// Discards the stored last pose, so the next pose cannot be a repeat.
 void forget_seen(MotionEstimate* motion);
 
-/// Another model, or none. What poses have said of the last one goes on only from an accepted one
-/// to an accepted one.
+/// Replaces the model. The counts of inconsistent and of predicted poses are kept only if both the
+/// old and the new model are accepted.
 void replace_model(const RigidModel& model, MotionEstimate* motion);
 
-/// The first question alone, for a pose that was there before the model. After three that are
-/// elsewhere the model is refused.
+/// Only the check against the model's pose, for a pose older than the model. Three disagreements in
+/// succession refute the model.
 void judge_place(const PoseSample& sample, const PoseCovariance& drift_I, MotionEstimate* motion);
 
-/// A fit to more of the pictures has refused the model.
+/// Refutes the model, after a fit to more of the images was refused.
 void refute_model(MotionEstimate* motion);
 
 }  // namespace polhode

@@ -14,9 +14,9 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix63 = Eigen::Matrix<double, 6, 3>;
 
-// Noise of the attitudes looks like motion that the centre-of-mass offset c could explain. A
-// direction is known where its information is this many times what noise alone gives. Chosen: a
-// body that has rotated by a radian has a million times.
+// Noise of the attitudes looks like motion by a centre-of-mass offset c. A direction is known where
+// its information is this many times that of noise alone. Chosen: a body that has rotated by a
+// radian has a million times.
 constexpr double kOverNoiseMin = 10.0;
 // Least noise, in parts of the information: keeps the noise matrix regular for exact attitudes.
 constexpr double kNoiseFloor = 1e-6;
@@ -27,7 +27,7 @@ struct System {
   Matrix63 H_xc = Matrix63::Zero();
   Eigen::Matrix3d H_cc = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d noise_cc =
-      Eigen::Matrix3d::Zero();  ///< what the attitudes' noise adds to H_cc on average
+      Eigen::Matrix3d::Zero();  ///< mean contribution of the attitudes' noise to H_cc
   Vector6 g_x = Vector6::Zero();
   Eigen::Vector3d g_c = Eigen::Vector3d::Zero();
   double square = 0.0;

@@ -12,17 +12,17 @@
 namespace polhode {
 namespace {
 
-/// While a pose departs nobody knows yet whether it or the motion is wrong.
+/// Not valid while a pose is inconsistent: either that pose or the motion is wrong.
 bool holds(const MotionEstimate& m) { return m.model.accepted() && m.departures == 0; }
 
-/// The poses without one that departs from the motion; the last pose stays where it is alone.
+/// The poses without the inconsistent ones at the end; all poses if no other is left.
 std::span<const PoseSample> led_to(const MotionEstimate& m) {
   const std::size_t count = m.recent.size();
   return m.recent.view().first(count > m.departures ? count - m.departures : count);
 }
 
-/// From the last of some poses, in I: by the model, or by a local fit to them where none holds or
-/// it tells no translation. @errors as predict_by_motion().
+/// From the last of some poses, in I: by the model, or by a local fit to them if there is no valid
+/// model with a translation. @errors as predict_by_motion().
 Result<PosePrediction> predict_after(std::span<const PoseSample> poses,
                                      const MotionEstimate& m,
                                      const PoseCovariance& drift_in_I,
@@ -52,10 +52,9 @@ const Keyframe* keyframe_at(std::int64_t timestamp_ns, const Map& map) {
   return found == map.keyframes.end() ? nullptr : &*found;
 }
 
-/// Adjustments move keyframes after their poses were remembered, and the poses since then with
-/// them.
+/// Adjustments move keyframes after their poses were stored. Later poses move with them.
 void follow_map(const Map& map, PoseHistory& poses) {
-  Pose from;  // what the last keyframe's pose was, and is
+  Pose from;  // pose of the last keyframe before and after the adjustment
   Pose to;
   for (PoseSample& sample : poses) {
     if (const Keyframe* keyframe = keyframe_at(sample.timestamp_ns, map)) {
@@ -70,7 +69,7 @@ void follow_map(const Map& map, PoseHistory& poses) {
   }
 }
 
-/// Both in order of time; where they meet the new one stays, and a full table loses its oldest.
+/// Merges poses, both in order of time. New ones replace old ones; a full table loses its oldest.
 void merge(std::span<const PoseSample> news, PoseHistory& history) {
   const PoseHistory old = history;
   history.clear();
@@ -82,19 +81,19 @@ void merge(std::span<const PoseSample> news, PoseHistory& history) {
     (void)remember(history, sample);
   }
   for (; next < old.size(); ++next) {
-    (void)remember(history, old[next]);  // refuses what a new one has replaced
+    (void)remember(history, old[next]);  // refused if a new pose has replaced it
   }
 }
 
-/// 1-sigma of the angular speed, as a part of it; 1 of what does not turn.
+/// 1-sigma of the angular speed, as a part of it; 1 for a body at rest.
 double relative_speed_sigma(const MotionPrediction& now) {
   const Eigen::Vector3d& w = now.w_T_rad_s;
   const double sigma = std::sqrt(std::max(0.0, w.dot(now.covariance_w_T * w)));
   return sigma < w.squaredNorm() ? sigma / w.squaredNorm() : 1.0;
 }
 
-/// Is the last interval far longer than the shortest? Over it a body may have turned by any number
-/// of turns.
+/// Is the last interval far longer than the shortest? Then the number of turns over it is
+/// ambiguous.
 bool over_a_gap(const PoseHistory& poses) {
   constexpr std::int64_t kLonger =
       3;  // two frames were lost: chosen; one lost now and then is usual
@@ -145,7 +144,7 @@ Result<RateEstimate> rates_by_model(const MotionEstimate& m) {
   return rates;
 }
 
-/// As the observer's attitude now has them.
+/// Converts a pose from C to I by the observer's present attitude.
 PoseSample in_I(const MotionEstimate& m,
                 std::int64_t timestamp_ns,
                 const Pose& pose,
@@ -290,12 +289,12 @@ Result<RateEstimate> rates_now(const MotionEstimate& m,
                                const MotionOptions& options) {
   Result<RateEstimate> rates = ErrorCode::kTooFewObservations;
   if (m.repeats > 0) {
-    return rates;  // no pose is of this moment; or the body has stopped
+    return rates;  // no pose of this time is measured, or the body has stopped
   }
   if (options.mode == MotionMode::kPaper) {
     rates = rates_by_pairs(m);
   } else if (m.departures > 0) {
-    return rates;  // the rate so far and the one since are both in doubt
+    return rates;  // either an outlier or a disturbance: neither rate is certain
   } else if (holds(m)) {
     rates = rates_by_model(m);
   }
@@ -358,7 +357,7 @@ std::optional<PosePrediction> predict_or_hold(const MotionEstimate& m,
   const Pose last = last_pose_seen(m, R_IC);
   const Result<PosePrediction> by_motion = predict_by_motion(m, drift, options, timestamp_ns, R_IC);
   PosePrediction predicted = by_motion ? by_motion.value() : PosePrediction{.pose = last};
-  // Extrapolated through the camera: the last place is the better guess.
+  // Extrapolated through the camera: the last position is the better estimate.
   if (!(predicted.pose.p_CT.z() > 0.1 * last.p_CT.z())) {
     predicted.pose.p_CT = last.p_CT;
   }
@@ -374,7 +373,7 @@ ExpectedPose expected_at(const PosePrediction& predicted,
     const PoseSample& from = poses.back();
     step_rad = rotation_angle_rad(m.R_IC.transpose() * from.pose.R_CT, predicted.pose.R_CT);
     if (seconds_between(from.timestamp_ns, timestamp_ns) > unambiguous_interval_max_s(poses)) {
-      step_rad = std::numbers::pi;  // or any number of turns more
+      step_rad = std::numbers::pi;  // the number of turns is ambiguous
     }
   }
   return {.prediction = predicted, .step_rad = step_rad, .poses_since_start = m.poses_since_start};

@@ -1,5 +1,4 @@
-// What is remembered of the target's motion from frame to frame, and what is said and predicted
-// from it.
+// The state of the target's motion from frame to frame, with the rates and predictions from it.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -17,46 +16,46 @@
 
 namespace polhode {
 
-/// What a fit of motion and map together says of the map's drift.
+/// The map's remaining drift, by a joint fit of motion and map.
 struct DriftByModel {
   PoseCovariance covariance_C = PoseCovariance::Zero();  ///< of T, at the model's reference time
   double relative_speed_sigma = 1.0;  ///< 1-sigma of the angular speed, as a part of it
 };
 
-/// The observer's attitude, as reported for this frame; what is not a rotation leaves the last one.
-/// @return with the first attitude of a run the rotation from I as it was taken to be into I as it
-/// is. The poses so
-///         far are turned by it here, and the model is dropped.
+/// Stores the observer's attitude as reported for this frame; an invalid rotation keeps the last
+/// one.
+/// @return with the first attitude of a run, the rotation from the assumed I to the actual I. The
+/// poses so far are rotated by it here, and the model is dropped.
 std::optional<Eigen::Matrix3d> take_observer(const std::optional<Eigen::Quaterniond>& q_IC,
                                              MotionEstimate* motion);
 
-/// A pose in C has been found.
-/// @return is a new fit of the dynamics due? Never in paper mode.
+/// Stores a pose that was found, in C.
+/// @return true if a new fit of the dynamics is due; never in paper mode.
 [[nodiscard]] bool remember_pose(std::int64_t timestamp_ns,
                                  const Pose& pose,
                                  const PoseCovariance& covariance,
                                  const MotionOptions& options,
                                  MotionEstimate* motion);
 
-/// A pose in C has been measured, by landmarks alone: does the model bear it out? After three that
-/// are elsewhere it is refused. After two to which its motion does not lead the body moves
-/// otherwise than before: the model goes, and the poses before these two with it. Where its motion
-/// had led to few poses it is the model that was wrong, and only that goes.
-/// Where the motion has begun anew, fits that are under way are of the one before.
+/// Checks the model against a pose in C that was measured by landmarks alone. Three disagreements
+/// in succession refute the model. Two poses in succession that are inconsistent with the predicted
+/// motion are a disturbance: the model is dropped, with all poses before these two. If the model
+/// has predicted few poses, only the model is dropped.
+/// After a disturbance, the fits under way are stale.
 [[nodiscard]] PoseJudgement check_pose(std::int64_t timestamp_ns,
                                        const Pose& pose,
                                        const PoseCovariance& covariance,
                                        const MapDrift& drift,
                                        MotionEstimate* motion);
 
-/// The poses to fit dynamics to, as the map has them now.
+/// The poses for a fit of the dynamics, as corrected with the map.
 void prepare_fit(const Map& map,
                  const MapDrift& drift,
                  const MotionOptions& options,
                  MotionEstimate* motion,
                  MotionSnapshot* snapshot);
 
-/// A fit comes back: the poses since it was prepared judge it as they would have.
+/// Takes the result of a fit, and checks it against the poses since its preparation.
 /// @param poses_fitted  value of poses_since_fit when it was prepared.
 void take_fit(const RigidModel& model,
               std::int64_t fitted_to_ns,
@@ -64,33 +63,32 @@ void take_fit(const RigidModel& model,
               const MapDrift& drift,
               MotionEstimate* motion);
 
-/// The model of a map that was fitted with it as a free body's: it stands for all poses so far.
-/// @return the drift that is left in the map; nothing where the model tells no translation.
+/// Takes the model of a joint fit with the map, which covers all poses so far.
+/// @return the drift that remains in the map; nothing if the model has no translation.
 std::optional<DriftByModel> take_joint_fit(const RigidModel& model, MotionEstimate* motion);
 
-/// The poses of an initialisation's keyframes, in order of time and in I, come into the past or
-/// replace what is there at their times. The model is dropped.
+/// Inserts the poses of an initialisation's keyframes into the histories, in order of time and in
+/// I. They replace poses at the same times. The model is dropped.
 void restate_poses(std::span<const PoseSample> start, MotionEstimate* motion);
 
-/// The pose at the keyframe's time, where there is one, becomes the keyframe's.
+/// Replaces the pose at the keyframe's time, if there is one, by the keyframe's pose.
 void move_pose(const Keyframe& keyframe, MotionEstimate* motion);
 
-/// All poses go along with their keyframes, as a rate from poses before and after a jump would be
-/// wrong.
-/// @return are there poses later than `adjusted_to_ns`?
+/// Moves all poses along with their keyframes; a jump between two poses would falsify the rate.
+/// @return true if there are poses later than `adjusted_to_ns`.
 bool move_poses_with_map(const Map& map, std::int64_t adjusted_to_ns, MotionEstimate* motion);
 
-/// T is another one from here on: nothing of the poses so far holds. The observer's attitude stays.
+/// Discards all poses and the model, as the frame T is replaced. The observer's attitude stays.
 void reset_poses(MotionEstimate* motion);
 
-/// Rates at the last pose: by the dynamics where they hold, else by a local fit, or by the last two
-/// poses in paper mode. Velocity in C, unit of the poses. @errors as estimate_rates().
+/// Rates at the last pose: by the dynamics where they are valid, else by a local fit, or by the
+/// last two poses in paper mode. Velocity in C, unit of the poses. @errors as estimate_rates().
 Result<RateEstimate> rates_now(const MotionEstimate& motion,
                                const MapDrift& drift,
                                const MotionOptions& options);
 
 /// The pose in C at a time not before the last pose's, for an observer with the attitude R_IC. A
-/// pose that departs from the motion is passed over.
+/// last pose inconsistent with the motion is skipped.
 /// @errors as predict_pose() of motion/rates.hpp.
 Result<PosePrediction> predict_by_motion(const MotionEstimate& motion,
                                          const MapDrift& drift,
@@ -98,35 +96,34 @@ Result<PosePrediction> predict_by_motion(const MotionEstimate& motion,
                                          std::int64_t timestamp_ns,
                                          const Eigen::Matrix3d& R_IC);
 
-/// As predict_by_motion(), and the last pose where nothing is known of the motion; nothing without
-/// a pose. Never behind the camera: where the motion leads through it the last position stands.
+/// As predict_by_motion(), or the last pose if the motion is unknown; nothing without a pose. The
+/// last position replaces a predicted one behind the camera.
 std::optional<PosePrediction> predict_or_hold(const MotionEstimate& motion,
                                               const MapDrift& drift,
                                               const MotionOptions& options,
                                               std::int64_t timestamp_ns,
                                               const Eigen::Matrix3d& R_IC);
 
-/// What tracking is told of a predicted pose: it, and how far the motion behind it has been
-/// checked.
+/// The predicted pose as tracking needs it, with the extent to which its motion is validated.
 ExpectedPose expected_at(const PosePrediction& predicted,
                          std::int64_t timestamp_ns,
                          const MotionEstimate& motion);
 
-/// What tracking is told where the last pose departs from the motion and is right: the body has
-/// gone on from it. Nothing where no pose departs.
+/// The prediction for tracking in case the last pose is inconsistent and correct: it continues from
+/// that pose. Nothing if no pose is inconsistent.
 std::optional<ExpectedPose> expected_from_departed(const MotionEstimate& motion,
                                                    const MapDrift& drift,
                                                    const MotionOptions& options,
                                                    std::int64_t timestamp_ns);
 
-/// The pose in C by a model that was fitted with the map; nothing where there is none that holds.
+/// The pose in C by a model that was fitted with the map; nothing without a valid one.
 std::optional<PosePrediction> pose_by_joint_model(const MotionEstimate& motion,
                                                   const MotionOptions& options,
                                                   std::int64_t timestamp_ns,
                                                   const Eigen::Matrix3d& R_IC);
 
-/// The last pose as an observer with the attitude R_IC would see it, had the target not moved
-/// since; there must be one.
+/// The last pose as seen by an observer with the attitude R_IC, for a target at rest since then.
+/// There must be a last pose.
 Pose last_pose_seen(const MotionEstimate& motion, const Eigen::Matrix3d& R_IC);
 
 }  // namespace polhode

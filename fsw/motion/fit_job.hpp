@@ -14,7 +14,7 @@ struct FitJob {
   RigidModel model;             ///< the result
 };
 
-/// Copies what the fit needs; it counts as fitted from here on.
+/// Copies the input of the fit, and the number of poses since the last fit.
 void prepare_fit(const Map& map,
                  const MapDrift& drift,
                  const MotionOptions& options,

@@ -20,9 +20,9 @@ namespace {
 // bodies stay under 8, times off by a fifth of a frame give 11 and more (decision 0044).
 constexpr double kGainPerDofMax = 8.0;
 
-// A fit that no longer agrees with what free poses agree with has refused the pictures, and its
-// gain counts only what it has left. Free bodies keep 0.976 and more of their observations, a
-// camera or a table that moves by hand keeps 0.3 to 0.5 (decision 0069).
+// Least share of the observations consistent with free poses that the joint fit keeps. The gain
+// counts only the kept ones, so it does not show the rejected ones. Free bodies keep 0.976 and
+// more, a camera or a table that moves by hand 0.3 to 0.5 (decision 0069).
 constexpr double kKeptMin = 0.95;
 
 // A map that has grown without the motion has wrong associations that agree with its drift. They
@@ -48,7 +48,7 @@ constexpr double kWide_sigmas = 15.0;
 // Steps of the whole fit, in those of an ordinary adjustment. A fit solves 3 to 4 systems in the
 // mean, more before half a rotation has been seen (decision 0043).
 constexpr int kIterationsFactor = 4;
-// Two steps reach 0.99 of the gain (decision 0044); the rest decides nothing.
+// Two steps reach 0.99 of the gain (decision 0044); more would not change the decision.
 constexpr int kGainIterations = 2;
 // Points that connect two poses: as many as a pose needs (decision 0045).
 constexpr std::size_t kSharedMin = 12;
@@ -219,9 +219,9 @@ PoseCounts shared_points(const JointFitInput& input,
   return shared;
 }
 
-/// Are the poses one part, connected by shared points? Separate parts have axes and a unit each,
-/// and what a motion makes of the distance between them is no measurement. A single pose that has
-/// lost its associations is not a part: the motion constrains it (decision 0045).
+/// Are the poses one part, connected by shared points? Separate parts have axes and a unit each, so
+/// no image determines the distance between them. A single pose that has lost its associations is
+/// not a part: the motion constrains it (decision 0045).
 bool is_connected(const JointFitInput& input, JointFitWorkspace* w) {
   const std::size_t count = count_of(input);
   PoseFlags reached{};

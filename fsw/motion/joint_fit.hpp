@@ -44,9 +44,9 @@ struct JointFitWorkspace {
 
 /// Fits the motion of a free body to the poses, then with the points to the observations. Accepted
 /// where free poses explain these no better than by following the noise (decision 0044).
-/// @param marginal_fits  in, out: how often in a row it was marginally accepted.
-/// The answer's reference is the last pose. Its noise is that found by the comparison.
-/// @return a model that says by its status whether it was accepted; else the bundle is as it was.
+/// The model's reference is the last pose; its noise level is that of the comparison.
+/// @param marginal_fits  in, out: successive fits that were marginally accepted.
+/// @return a model with its status; unless accepted, the bundle is unchanged.
 RigidModel fit_jointly(const JointFitInput& input,
                        std::uint32_t* marginal_fits,
                        JointFitWorkspace* own);

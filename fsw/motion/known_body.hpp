@@ -1,4 +1,4 @@
-// How a target's mass lies, as another pass has found it.
+// Inertia and mass centre of a target, from another pass.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,8 +7,8 @@
 
 namespace polhode {
 
-/// A target's inertia and mass centre in T, as a motion that was fitted has them. They are kept
-/// from pass to pass until one knows them better. Fits of a later pass take them as a prior.
+/// A target's inertia and mass centre in T, from a fitted motion. They are kept from pass to pass
+/// until more precise ones replace them. Fits of a later pass take them as a prior.
 struct KnownBody {
   bool known = false;  ///< else the others are not valid
   InertiaShape shape = InertiaShape::Zero();

@@ -16,7 +16,7 @@ constexpr int kDegree = 6;
 constexpr int kLocalRotationUnknowns = 3 * (kDegree + 1);
 constexpr int kLocalTranslationUnknowns = 12;  // g, v, a, c
 
-// Departures from a constant rate, in parts of the rate: from none to the largest of a free body.
+// Deviations from a constant rate, in parts of the rate: from none to the largest of a free body.
 // There |dw/dt| <= |w|^2 / sqrt(3), because (I_j - I_k) / I_i <= 1. The steps of a list are coarse:
 // evidence interpolates.
 constexpr std::array<double, 6> kBends{1e-4, 0.01, 0.03, 0.1, 0.3, 1.0};
@@ -26,7 +26,7 @@ constexpr double kArcMin_rad = 1e-3;
 // Centre-of-mass offsets from T's origin in parts of the range: of a distant body or a well centred
 // one, a typical one, and one that fills the view and is lopsided. Chosen a decade apart.
 constexpr std::array<double, 3> kCentreOffsets{3e-4, 3e-3, 3e-2};
-// Departures of the centre of mass from a straight line over the window, in parts of the range. A
+// Deviations of the centre of mass from a straight line over the window, in parts of the range. A
 // free body has none over minutes, a braked or a hand-carried one has. Chosen.
 constexpr std::array<double, 3> kDepartures{1e-7, 1e-4, 1e-2};
 

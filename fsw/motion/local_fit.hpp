@@ -33,8 +33,8 @@ struct LocalTarget {
   int derivative = 0;
 };
 
-/// Polynomial of degree 6 for psi. Rotation at the rate w has derivatives of about A w^k, A being
-/// the departure from a constant rate. These are the prior sigmas of the coefficients from the
+/// Polynomial of degree 6 for psi. Rotation at the rate w has derivatives of about A w^k, with A
+/// the deviation from a constant rate. These are the prior sigmas of the coefficients from the
 /// second on. A is averaged over.
 /// @param rotation_rad_s  rotation rate, >= 0.
 /// @errors TooFewObservations (under 2 points), Degenerate (times coincide, or an information

@@ -1,5 +1,5 @@
 // Predictions minutes ahead, by bounded work a frame: one integration from now to the farthest
-// time, gone in parts, that tells of the times on its way.
+// time, computed in parts, with a prediction at each time on the way.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace polhode {
 
-/// Times ahead that are told, s.
+/// Times of the predictions after now, s.
 inline constexpr std::array<double, 9> kPredictionsAhead_s{
     10.0, 30.0, 60.0, 120.0, 300.0, 600.0, 900.0, 1200.0, 1800.0};
 
@@ -22,15 +22,15 @@ struct LookAhead {
   RigidModel model;  ///< as it was at the beginning
   RotationState state;
   RotationDerivative derivative;
-  std::size_t next = 0;  ///< of kPredictionsAhead_s
+  std::size_t next = 0;  ///< index into kPredictionsAhead_s
 };
 
 /// From the model's own time. @return false, with nothing under way, when the model is not accepted
 /// or does not reach that time.
 bool begin_look_ahead(const RigidModel& model, std::int64_t timestamp_ns, LookAhead* walk);
 
-/// Goes on by at most kLookAheadStepsMax steps, to the next time at most. It ends with the last
-/// one.
+/// Continues by at most kLookAheadStepsMax steps, and no further than the next prediction time.
+/// Ends with the last of these times.
 /// @return the prediction for a time that has been reached.
 std::optional<MotionPrediction> continue_look_ahead(LookAhead* walk);
 

@@ -8,7 +8,7 @@
 namespace polhode {
 namespace {
 
-/// A pose that is not earlier than the next one that stays goes, too.
+/// Drops invalid poses, and poses that are not earlier than the next kept one.
 std::uint32_t drop_poses(std::int64_t now_ns, PoseHistory* poses) {
   if (poses->size() > PoseHistory::capacity()) {
     poses->clear();
@@ -34,7 +34,7 @@ Repair repair(std::int64_t now_ns, MotionEstimate* motion) {
   }
   Repair done{.entries = drop_poses(now_ns, &motion->recent) + drop_poses(now_ns, &motion->past)};
   if (done.entries > 0) {
-    pass_over_pose(motion);  // which of them had departed is not known any more
+    pass_over_pose(motion);  // it is unknown which poses were inconsistent
   }
   if (!is_valid_of_repeats(*motion, now_ns)) {
     forget_seen(motion);

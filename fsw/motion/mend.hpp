@@ -1,4 +1,4 @@
-// A remembered motion whose memory was hit by bit flips goes on with what is sound of it.
+// Repair of the motion's state after bit flips in memory.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,8 @@
 
 namespace polhode {
 
-/// Nothing happens to a sound one. Of another one, poses that are not sound are dropped, and a
-/// model that is not; the next fit makes a new one. Where that does not do, all poses go.
+/// Leaves a valid state unchanged. Otherwise drops invalid poses and an invalid model; the next fit
+/// gives a new one. Drops all poses if the state is still invalid.
 Repair repair(std::int64_t now_ns, MotionEstimate* motion);
 
 }  // namespace polhode

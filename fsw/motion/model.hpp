@@ -13,19 +13,19 @@ namespace polhode {
 enum class ModelStatus : std::uint8_t {
   kAccepted = 0,
   kTooFewPoses = 1,        ///< under kModelPosesMin
-  kNoFit = 2,              ///< no start led to a solution over all poses
+  kNoFit = 2,              ///< no initial estimate converged to a solution over all poses
   kResidualsTooLarge = 3,  ///< chi-square: poses or their times are not those of a free rigid body
 };
 
 /// How the residuals compare with the declared covariance of the poses.
 struct ResidualLevel {
   double chi2_per_dof = 0.0;  ///< by the declared covariance, outliers left out
-  /// Variance over the declared one, drawn towards 1 where data are few. Of a joint fit: the
-  /// widening of the covariance, for drift that the motion has followed as well.
+  /// Found variance over the declared one, shrunk towards 1 where data are few. Of a joint fit: the
+  /// factor on the covariance, for drift that the motion has followed as well.
   double scale2 = 1.0;
-  double correlation = 1.0;  ///< poses that tell as much as one independent pose would, >= 1
+  double correlation = 1.0;  ///< poses with the information of one independent pose, >= 1
   std::size_t outliers = 0;
-  std::size_t outliers_at_end = 0;  ///< of the newest, in succession
+  std::size_t outliers_at_end = 0;  ///< among the newest poses, in succession
 };
 
 /// All unknowns: those of the rotation, then those of the translation.

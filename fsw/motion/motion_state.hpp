@@ -11,11 +11,11 @@ enum class Mode : std::uint8_t {
   kAcquiring = 1,
   kTracking = 2,
   kLost = 3,
-  kCoasting = 4  ///< the frame could not be looked at: its pose is the motion's prediction
+  kCoasting = 4  ///< no usable image: the pose is the motion's prediction
 };
 inline constexpr Mode kLastMode = Mode::kCoasting;
 
-/// Frames: C camera, T target, I inertial. Values are meaningful only where their flag says so.
+/// Frames: C camera, T target, I inertial. Values are valid only where their flag is up.
 struct MotionState {
   std::uint32_t frame = 0;  ///< index of the accepted frame
   std::int64_t timestamp_ns = 0;
@@ -29,8 +29,8 @@ struct MotionState {
   double metres_per_mu = 1.0;  ///< that scale; not in the packet
   std::uint32_t target_frame =
       0;  ///< number of the frame T that the pose is in; not in the packet (event target_frame_new)
-  bool doubted = false;  ///< the pose departs from the motion, or repeats; sigmas say by how
-                         ///< much; not in the packet
+  bool doubted = false;  ///< the pose is inconsistent with the motion, or repeats; the sigmas
+                         ///< include the deviation; not in the packet
   std::array<double, 4> q_CT{1.0, 0.0, 0.0, 0.0};  ///< w, x, y, z; sign continuous in time
   std::array<double, 3> p_CT{};                    ///< T's origin in C
   std::array<double, 3> v_C{};        ///< its velocity relative to C's origin, in C, per second

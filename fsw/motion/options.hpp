@@ -21,7 +21,7 @@ struct MotionOptions {
   DynamicsKind dynamics = DynamicsKind::kTorqueFree;
   // Chosen; bounds the time of a local fit.
   int window_poses_max = 64;            ///< poses of a local fit of the rate at most, 4 .. limits::kMotionPoses
-  // 100 deg: the polynomial's first missing term is then 1 % of the motion's departure from a constant rate.
+  // 100 deg: the polynomial's first missing term is then 1 % of the motion's deviation from a constant rate.
   // Larger: less noise (the rate's sigma falls as the window to the power 1.5) and more of that error.
   double window_angle_max_rad = 1.75;   ///< body rotation over that window at most, 0.1 .. 3
   // Chosen; the time of a fit grows with it.

@@ -15,7 +15,7 @@
 namespace polhode {
 
 /// Rate and speed from two successive poses. They hold for the middle of the interval. At either
-/// end they are off by what the rate changes in half of it.
+/// end their error is the change of the rate over half of it.
 struct PaperRate {
   std::int64_t timestamp_ns = 0;  ///< of the middle
   double interval_s = 0.0;

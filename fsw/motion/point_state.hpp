@@ -1,4 +1,4 @@
-// A question of where a point of the body will be, and its answer.
+// A request for the predicted position of a point of the body, and the answer.
 #pragma once
 
 #include <array>
@@ -11,20 +11,19 @@ struct PointQuestion {
   std::int64_t timestamp_ns = 0;     ///< not before the last frame
   std::uint32_t target_frame = 0;    ///< number of the frame T that the point is in
   std::array<double, 3> p_T{};       ///< taken as exact
-  std::array<double, 3> normal_T{};  ///< unit vector; zero: none is asked for
+  std::array<double, 3> normal_T{};  ///< unit vector; zero: not requested
 };
 
-/// C has the orientation that it had at the last frame. Values are meaningful only where their flag
-/// says so. Covariances hold what is not known of motion, mass centre, map, scale and camera.
+/// C has the orientation of the last frame. Values are valid only where their flag is up.
+/// Covariances include the errors of motion, mass centre, map, scale and camera.
 struct PointState {
-  std::int64_t timestamp_ns = 0;       ///< that was asked for
+  std::int64_t timestamp_ns = 0;       ///< of the request
   std::int64_t from_timestamp_ns = 0;  ///< of the last frame
   bool position_valid = false;  ///< 1-sigma under half of the distance, attitude's under 0.5 rad
   bool velocity_valid = false;  ///< with the position, by the dynamics alone
-  bool normal_valid = false;    ///< was asked for, and its 1-sigma is under 0.5 rad
+  bool normal_valid = false;    ///< requested, and its 1-sigma is under 0.5 rad
   bool scale_known = false;     ///< lengths are metres; else map units
-  std::uint8_t dynamics =
-      0;  ///< what was used, as in the packet: 1 the last poses, 2 and 3 the dynamics
+  std::uint8_t dynamics = 0;    ///< basis, as in the packet: 1 the last poses, 2 and 3 the dynamics
   std::uint32_t scale_number = 0;  ///< as of MotionState
   std::array<double, 3> p_C{};
   std::array<double, 3> v_C{};  ///< relative to C's origin, per second

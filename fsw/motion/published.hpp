@@ -38,7 +38,7 @@ std::array<double, kCount> upper_triangle(const Matrix& m) {
 Pose scaled(const Pose& pose, double unit);
 PoseCovariance scaled(const PoseCovariance& covariance, double unit);
 
-/// What the scale's own error adds to the covariance of a length, in its unit.
+/// Covariance of a length by the scale's own error, in its unit.
 /// @param scale_sigma  1-sigma of the scale, as a part of it.
 Eigen::Matrix3d by_scale(const Eigen::Vector3d& length, double scale_sigma);
 PoseCovariance by_scale(const Pose& pose, double scale_sigma);

@@ -19,9 +19,9 @@ constexpr double kPsiMax_rad = 2.6;
 // Bodies that rotate far between frames exceed the window's angle at once. Four poses show a change
 // of the rate, with one to spare.
 constexpr std::size_t kPosesMin = 4;
-// Poses that a fit goes through leave no more, as a factor on their covariances: sigmas of single
-// poses are right to a factor of two, and 99.9 % of chi-square of the few numbers that the least
-// window leaves over are 2.7 of each.
+// Largest misfit of poses that agree with a fit, as a factor on their covariances. Sigmas of single
+// poses are right to a factor of two. The least window leaves a few numbers over: 99.9 % of their
+// chi-square are 2.7 of each.
 constexpr double kMisfitMax = 4.0 * 2.7;
 // A rotation beyond three sigma counts as one.
 constexpr double kRotation_sigmas2 = 9.0;
@@ -126,7 +126,7 @@ Eigen::Vector3d rate_between(const PoseSample& from, const PoseSample& to) {
          seconds_between(from.timestamp_ns, to.timestamp_ns);
 }
 
-/// The fastest that the body turns between poses about `index` that follow each other.
+/// The fastest mean rate between successive poses about `index`.
 double fastest_rad_s(std::span<const PoseSample> history, std::size_t index, std::size_t poses) {
   const std::size_t first = index - std::min(index, poses);
   const std::size_t last = std::min(history.size() - 1, index + poses);
@@ -137,8 +137,8 @@ double fastest_rad_s(std::span<const PoseSample> history, std::size_t index, std
   return fastest;
 }
 
-/// How the rate changes from one interval beside `index` to the next, whatever moves the body.
-/// Within an interval poses do not tell it: the rate at a pose may be anywhere between.
+/// Covariance of the rate by its change from one interval beside `index` to the next. Poses give
+/// only the mean rate of an interval: the rate at a pose may be anywhere between two means.
 Eigen::Matrix3d untold_change(std::span<const PoseSample> history, std::size_t index) {
   if (history.size() < 3) {
     return Eigen::Matrix3d::Zero();
@@ -156,14 +156,14 @@ std::size_t poses_max(const MotionOptions& options) {
                   static_cast<std::size_t>(std::max(2, options.window_poses_max)));
 }
 
-/// The rate at `index`, by a fit to as many poses as it goes through: a body that is turned by hand
-/// moves otherwise than a free one within seconds.
+/// The rate at `index`, by a fit to as many poses as agree with it. A body turned by hand deviates
+/// from the motion of a free one within seconds.
 /// @errors Degenerate (a covariance is not usable), as fit_rotation().
 Result<LocalFit> fit_rate(std::span<const PoseSample> history,
                           std::size_t index,
                           const MotionOptions& options,
                           Window& window) {
-  // What is not free changes its rate within a third of the time that a free body takes. Chosen.
+  // The rate of a body that is not free changes within a third of a free body's time. Chosen.
   constexpr double kQuicker = 3.0;
   constexpr LocalTarget kRate{.tau_s = 0.0, .derivative = 1};
   double quicker_rad_s = 0.0;
@@ -289,7 +289,8 @@ Result<PosePrediction> predict_pose(std::span<const PoseSample> history,
   if (ahead_s < 0.0 || !collect(history, history.size() - 1, options, poses_max(options), window)) {
     return ErrorCode::kDegenerate;
   }
-  // As a free body would go on: a shorter window follows what a hand does, and leads nowhere.
+  // By the model of a free body: a shorter window follows a hand's motion and cannot be
+  // extrapolated.
   const LocalTarget later{.tau_s = ahead_s, .derivative = 0};
   const Result<LocalFit> rotation =
       fit_rotation(window.rotation.view(), rotation_rad_s(window), later);

@@ -48,29 +48,27 @@ Result<RateEstimate> estimate_rates_at(std::span<const PoseSample> history,
                                        std::size_t index,
                                        const MotionOptions& options);
 
-/// Over a longer interval than this a body that turns as fast as it does between some of these
-/// poses (beyond 3 sigma) may have turned by any number of turns: such a pair tells no rate.
-/// Infinite where nothing turns.
+/// Longest interval over which two poses determine a rate. Over a longer one the number of turns is
+/// ambiguous, for a body at the fastest rate between some of these poses (beyond 3 sigma). Infinite
+/// for a body at rest.
 [[nodiscard]] double unambiguous_interval_max_s(std::span<const PoseSample> poses);
 
-/// Adds what the map's drift does to rates that were fitted within one side of the body: it changes
-/// by about its own size while 0.8 rad are turned, and passes for motion.
-/// @param turn_sigma  1-sigma of a factor that all turns may have, less one: it is the rate's too,
-/// but for
-///                    the turn about the line of sight, which pictures show as it is.
+/// Adds the effect of the map's drift on rates fitted within one visible face. The drift changes by
+/// about its own size over 0.8 rad of rotation, which appears as motion.
+/// @param turn_sigma  1-sigma of a relative error common to all rotations. It applies to the rate,
+/// too, except about the line of sight: that rotation is seen directly in the images.
 void widen_by_drift(const PoseCovariance& drift, double turn_sigma, RateEstimate& rates);
 
-/// What the map's drift adds to a pose that the last ones predict: its own now, and by the turn
-/// until then what it does to their rates. Drift and turn_sigma as above.
+/// Covariance of a pose predicted from the last ones by the map's drift: the drift itself, and its
+/// effect on their rates over the rotation until then. Drift and turn_sigma as above.
 PoseCovariance drift_until(const Pose& predicted,
                            const Pose& last,
                            const PoseCovariance& drift,
                            double turn_sigma);
 
 /// The pose at `timestamp_ns`, at or after the last one of `history`, by the motion so far.
-/// @errors TooFewObservations (under 2 poses: nothing is known of the motion), Degenerate (as
-/// above, or the time is
-///         before the last pose).
+/// @errors TooFewObservations (under 2 poses: the motion is unknown), Degenerate (as above, or the
+/// time is before the last pose).
 Result<PosePrediction> predict_pose(std::span<const PoseSample> history,
                                     std::int64_t timestamp_ns,
                                     const MotionOptions& options);

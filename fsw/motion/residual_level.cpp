@@ -13,8 +13,8 @@ namespace {
 constexpr double kMedian3 = 2.366;  // of chi-square with three degrees of freedom
 // 5 sigma, squared. With three degrees of freedom 1.5e-5 of good residuals lie beyond.
 constexpr double kGate2 = 25.0;
-// The declared sigma counts as much as this many numbers. Chosen: a dozen poses, of which 11
-// unknowns have taken a third, tell little of the noise.
+// The declared sigma has the weight of this many numbers. Chosen: a dozen poses, of which 11
+// unknowns have taken a third, carry little information on the noise.
 constexpr double kDeclaredWeight = 20.0;
 // Against a division by zero.
 constexpr double kRotationMin_rad = 1e-9;

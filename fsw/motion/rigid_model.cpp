@@ -17,7 +17,7 @@ namespace {
 constexpr double kChi2PerDofMax = 1.4;
 // Part of the poses. Chosen; with more outliers the rest may be of another motion.
 constexpr double kOutliersMax = 0.3;
-// Of the newest poses: one may be wrong, from two on the body moves otherwise by now.
+// Of the newest poses: one may be an outlier, from two on the motion has changed.
 constexpr std::size_t kOutliersAtEndMax = 1;
 // Sigma of the released prior: exp(15) as a ratio of moments is open, and yet a finite number.
 constexpr double kReleasedShapeSigma = 10.0 * kModelShapeSigma;
@@ -194,8 +194,9 @@ bool take_rotation(const RotationSolution& rotation,
   return true;
 }
 
-/// Do the poses know the inertia ratios well, while the prior still moves the shape? So it is with
-/// sheets and thin rods: the prior moves a second moment that is nearly zero by several sigmas.
+/// Are the inertia ratios well determined by the poses, while the prior still moves the shape? This
+/// occurs for sheets and thin rods: the prior moves a nearly vanishing second moment by several
+/// sigmas.
 bool prior_outlived(const RigidModel& model, const ShapePrior& prior) {
   // Relative sigma of the ratios, and sigmas of the shape (decision 0049).
   constexpr double kKnown = 0.01;
@@ -210,7 +211,7 @@ bool prior_outlived(const RigidModel& model, const ShapePrior& prior) {
   return body && known(body.value().middle_over_least) && known(body.value().largest_over_least);
 }
 
-/// What holds of any body of this size.
+/// The prior of an unknown body of this size.
 KnownBody unknown_body(double body_radius) {
   return {.shape_sigma = InertiaShape::Constant(kModelShapeSigma),
           .mass_centre_sigma = Eigen::Vector3d::Constant(body_radius)};

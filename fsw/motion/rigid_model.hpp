@@ -84,7 +84,7 @@ Result<MotionPrediction> predict_from(const RigidModel& model,
                                       const PoseSample& last,
                                       std::int64_t timestamp_ns);
 
-/// The same with what the map's drift changes while the body turns from one pose to the other.
+/// The same, with the change of the map's drift over the rotation from one pose to the other.
 /// @param drift_I  error that poses of one visible face share.
 Result<MotionPrediction> predict_on(const RigidModel& model,
                                     const PoseSample& from,

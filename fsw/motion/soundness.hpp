@@ -1,5 +1,5 @@
-// Whether the remembered motion holds what may be computed with: after it came from a file, or lay
-// in memory that radiation reaches.
+// Validity checks of the motion's state, after it was read from a file or was exposed to radiation
+// in memory.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ bool is_valid(const MotionEstimate& motion, std::int64_t now_ns);
 bool is_valid(const PoseSample& sample, std::int64_t now_ns);
 bool is_valid(const RigidModel& model, std::int64_t now_ns);
 bool is_valid(const KnownBody& body);
-/// What the next pose is held against, to tell a repeat.
+/// The stored last pose, with which the next one is compared to detect a repeat.
 bool is_valid_of_repeats(const MotionEstimate& motion, std::int64_t now_ns);
 
 }  // namespace polhode

@@ -35,7 +35,7 @@ Intervals intervals_of(std::span<const PoseSample> poses) {
   return intervals;
 }
 
-/// An interval that most are not shorter than: a quarter is.
+/// The lower quartile of the intervals.
 double usual_s(const Intervals& intervals) {
   std::array<double, kIntervals> seconds{};
   for (std::size_t i = 0; i < intervals.size(); ++i) {
@@ -44,7 +44,7 @@ double usual_s(const Intervals& intervals) {
   return ranked(std::span(seconds).first(intervals.size()), intervals.size() / 4);
 }
 
-/// Is one turn the other, to a part of itself? Only where both stand out of the noise.
+/// Are two rotations equal, to a part of their size? Only where both are significant.
 bool alike(const Interval& a, const Interval& b) {
   constexpr double kPart = 0.3;    // a tumbling body's rate changes by less from frame to frame
   constexpr double kSigmas = 4.0;  // one turn in ten thousand of noise alone is larger

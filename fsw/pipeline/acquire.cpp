@@ -7,13 +7,13 @@ namespace polhode {
 
 void collect(Component::State* s) {
   PictureState& picture = s->picture;
-  // What is not told apart from its background may be the background: maps of clouds were begun.
+  // A mask that is not separated from the background may be the background: clouds were mapped so.
   if (is_out(s->jobs.map) || picture.verdict.decision != FrameDecision::kUse ||
       may_be_background(picture.mask_state)) {
     return;
   }
-  // Where a known aspect has been looked for in vain features are there already, from a mask that
-  // was not cut; the outline goes along.
+  // After a failed relocalisation the frame already has features, from a mask without a graph cut.
+  // The outline is sharpened all the same.
   sharpen_outline(&picture.mask_state);
   open_outline(picture.gray.size(), &picture.mask_state, &picture.mask);
   if (picture.own != nullptr) {
@@ -32,12 +32,11 @@ void collect(Component::State* s) {
                                             &s->features.resting);
   s->counters.tables_full += collected.tables_full;
   if (collected.kept) {
-    // No job is out, so nobody reads them.
+    // No map job is out, so no worker reads the crops.
     keep_crop(
         picture.gray, s->clock.frame, s->features.features.view(), &s->jobs.start.images.crops);
   }
-  // A target that is known by a model is given ten frames of it to be recognised: T is then the
-  // model's.
+  // A stored target model gets ten frames to be recognised, so that T stays the model's.
   constexpr std::uint32_t kFramesForModel = 10;
   const bool model_waits = s->mapping.map.keyframe_count > 0 && s->motion.recent.empty();
   if (model_waits && ++s->mapping.before.looked_for <= kFramesForModel) {

@@ -1,11 +1,11 @@
-// ACQUIRING, and LOST beside relocalisation: frames are collected for a map.
+// Collects frames for a map: in ACQUIRING, and in LOST beside relocalisation.
 #pragma once
 
 #include "pipeline/component.hpp"
 
 namespace polhode {
 
-/// Keeps the frame, where it tells of depth; asks for a hypothesis selection when there are enough.
+/// Keeps a frame that adds parallax. Issues a hypothesis selection once enough frames are kept.
 void collect(Component::State* state);
 
 }  // namespace polhode

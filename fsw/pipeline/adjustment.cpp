@@ -14,7 +14,7 @@
 namespace polhode {
 namespace {
 
-// Keyframes. Each landmark then has an observation more than its depth needs.
+// Keyframes. Depth needs two observations of a landmark; three make it redundant.
 constexpr int kWindowLeast = 3;
 
 // A Cauchy loss halves an observation's weight at its own width. Of right observations 14 % lie
@@ -27,17 +27,16 @@ BundleOptions bundle_options(int iterations_max, double cauchy_sigma, const MapO
           .observations_max = static_cast<std::size_t>(options.adjustment_observations_max)};
 }
 
-/// All keyframes are adjusted together each time the map has grown by a fifth, or had as many
-/// replaced, unless memory is short.
+/// All keyframes are adjusted together once a fifth of them are new, unless memory is short.
 bool wants_adjustment_of_all(bool short_of_memory, const MapState& mapping) {
   const LastAdjustment& last = mapping.last_adjustment_of_all;
   return !short_of_memory &&
          5 * (mapping.map.next_keyframe_number - last.next_keyframe_number) > last.keyframes;
 }
 
-/// Steps until the result of an adjustment of the whole map is taken: as many as keyframes are
-/// apart at present, within what the configuration says. No window is adjusted meanwhile, which a
-/// body that turns to a new keyframe in each frame does not bear.
+/// Steps until the result of an adjustment of the whole map is taken: the frames between the two
+/// newest keyframes, within the configured limits. No window is adjusted meanwhile. With a keyframe
+/// in each frame the map tolerates no longer delay.
 std::uint32_t delay_of_all(const JobTimes& times, const Map& map) {
   const auto order = keyframes_by_age(map);
   if (order.size() < 2) {
@@ -48,8 +47,8 @@ std::uint32_t delay_of_all(const JobTimes& times, const Map& map) {
   return std::clamp(apart, times.delay, times.delay_of_all);
 }
 
-/// @param closed  a loop that closes brings residuals of many sigma, which a narrow loss would take
-/// for outliers: the loss starts as wide as a tenth of the body and narrows in two steps.
+/// @param closed  a closing loop has residuals of many sigma, outliers to a narrow loss. The loss
+/// starts as wide as a tenth of the body and narrows in two steps.
 void ask_for(AdjustmentReason reason,
              bool closed,
              const AdjustmentView& view,
@@ -73,8 +72,8 @@ void ask_for(AdjustmentReason reason,
   issue_job(&job, times, &queue->map, queue);
 }
 
-/// Where the motion is known together with the map, it says where the keyframes are: a face that
-/// shows little does not bend the map.
+/// A motion that was fitted together with the map gives priors of the keyframes' poses. A visible
+/// face with few features then does not bend the map.
 void add_priors(const AdjustmentView& view, AdjustmentSnapshot* snapshot) {
   for (std::size_t k = 0; k < snapshot->poses.size(); ++k) {
     if (snapshot->pose_fixed[k] != 0) {
@@ -107,8 +106,8 @@ void prepare_adjustment_of_all(const AdjustmentView& view, MapState* mapping, Ad
   mapping->last_adjustment_of_all = {.keyframes = static_cast<std::uint32_t>(map.keyframe_count),
                                      .next_keyframe_number = map.next_keyframe_number};
   job->motion = view.parameters->motion;
-  // What comes while the job is out can only follow as a whole, and the motion reshapes a young
-  // map.
+  // Keyframes added while the job is out are corrected by one rigid transform. That is too little
+  // for a young map, which a joint fit with the motion reshapes.
   const auto order = keyframes_by_age(map);
   const bool alike =
       order.empty() ||
@@ -127,8 +126,8 @@ void ask_for_adjustment_of_all(AdjustmentReason reason,
                                MapState* mapping,
                                JobQueue* queue) {
   prepare_adjustment_of_all(view, mapping, &queue->adjustment);
-  // It may be done within the step (begins_within_step), where the first fit of a free body, which
-  // tries many motions, would take ten times as long as the adjustment. The next one brings it.
+  // The adjustment may run within the step (begins_within_step). A first free-body fit tries many
+  // motions and takes ten times as long. The next adjustment includes it.
   queue->adjustment.as_free_body = false;
   ask_for(reason, false, view, mapping->map, queue);
 }
@@ -138,7 +137,7 @@ void ask_for_adjustment_after_growth(const AdjustmentView& view,
                                      JobQueue* queue) {
   const Map& map = mapping->map;
   const auto order = keyframes_by_age(map);
-  // A map that has been damaged within this step is mended by the next one, and adjusted then.
+  // The next step repairs a map that was damaged within this one; the adjustment waits for that.
   if (!mapping->growth.any || is_out(queue->map) || order.empty() ||
       !is_valid(map, *view.camera, view.now_ns)) {
     return;

@@ -1,4 +1,4 @@
-// Which adjustments of the map are asked for, and with what.
+// Requests adjustments of the map and prepares their input.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ struct MapState;
 struct MotionEstimate;
 struct Parameters;
 
-/// What an adjustment is prepared from beside the map. Pointers are never null.
+/// Input of an adjustment beside the map. Pointers are never null.
 struct AdjustmentView {
   const MotionEstimate* motion = nullptr;
   const Parameters* parameters = nullptr;
@@ -26,24 +26,24 @@ struct AdjustmentView {
   JobTimes times;
 };
 
-/// Copies all of the map, with its motion where that is one of free bodies: paper mode knows no
-/// dynamics, and what is to be forgotten must not shape the map.
+/// Copies the whole map. The motion takes part only as that of a free body: paper mode has no
+/// dynamics, and a motion fitted with decaying weights must not shape the map.
 void prepare_adjustment_of_all(const AdjustmentView& view, MapState* mapping, AdjustmentJob* job);
 
-/// Asks for an adjustment of all of the map.
+/// Requests an adjustment of the whole map.
 void ask_for_adjustment_of_all(AdjustmentReason reason,
                                const AdjustmentView& view,
                                MapState* mapping,
                                JobQueue* queue);
 
-/// Asks for the adjustment after the last keyframes, when there are new ones and no other work of
-/// the map is out: of a window, or of all keyframes where a loop has closed or the map has grown by
-/// a fifth since that was done last.
+/// Requests an adjustment after new keyframes, unless other work of the map is out. It is of a
+/// window; of all keyframes after a loop closure, or once a fifth of them are new since the last
+/// such adjustment.
 void ask_for_adjustment_after_growth(const AdjustmentView& view,
                                      MapState* mapping,
                                      JobQueue* queue);
 
-/// One round, and no loop that closes: for an adjustment here and now.
+/// One round with the narrow loss, without a loop closure: for an adjustment that runs at once.
 void set_rounds(int iterations_max, const MapOptions& options, AdjustmentJob* job);
 
 }  // namespace polhode

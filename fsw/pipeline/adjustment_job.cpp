@@ -9,8 +9,8 @@ namespace polhode {
 namespace {
 
 RigidModel fit_as_free_body(const RigidModel& previous, AdjustmentJob* job) {
-  // On thirty runs of fifteen rendered scenes attitudes are off by 1.4 times what observations that
-  // nobody chose would allow.
+  // On thirty runs of fifteen rendered scenes attitude errors are 1.4 times those that unselected
+  // observations would give.
   constexpr double kChosenByPoses = 2.0;
   return fit_jointly({.bundle = problem_of(&job->snapshot),
                       .observations = job->snapshot.observations.view(),
@@ -33,8 +33,7 @@ void run_adjustment(AdjustmentJob* job) {
     return;
   }
   const RigidModel previous = std::exchange(job->model, RigidModel{});
-  // Where the poses follow a motion already, they need not be freed before they are bound to it
-  // again.
+  // Poses that follow a motion already need no free adjustment before the next joint fit.
   if (job->as_free_body && !job->closed && previous.accepted() && previous.of_map) {
     job->model = fit_as_free_body(previous, job);
     job->usable = job->model.accepted();

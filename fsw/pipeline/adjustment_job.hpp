@@ -11,22 +11,22 @@
 
 namespace polhode {
 
-/// What an adjustment is for, which decides what follows from it.
+/// Reason of an adjustment. It decides the next step of the map.
 enum class AdjustmentReason : std::uint8_t { kMapBegun, kMapCompleted, kMapGrown };
 
-/// A joint adjustment of part of the map, in rounds with a loss of their own; then, where asked
-/// for, of all of it as a free body's, which is kept where the images confirm it.
+/// A joint adjustment of part of the map, in rounds, each with its own loss. Then, on request, one
+/// of the whole map as a free body, kept where the images support it.
 struct AdjustmentJob {
-  static constexpr std::size_t kRounds = 3;  ///< a closed loop's; others have one
+  static constexpr std::size_t kRounds = 3;  ///< after a loop closure; else one round
   AdjustmentReason reason = AdjustmentReason::kMapGrown;
-  bool closed = false;  ///< a loop
+  bool closed = false;  ///< a loop was closed
   bool of_all = false;  ///< of the whole map
-  KeyframeId keyframe;  ///< newest one that the map has grown by
+  KeyframeId keyframe;  ///< newest one when the job was prepared
   std::uint32_t keyframe_number = 0;
-  std::uint32_t first_keyframe = 0;  ///< number of the first one of the part that has begun
+  std::uint32_t first_keyframe = 0;  ///< number of the first one of the new part of the map
   FixedVector<BundleOptions, kRounds> rounds;
-  AdjustmentSnapshot snapshot;  ///< in: as the map is; out: as it should be
-  bool usable = false;          ///< of the result
+  AdjustmentSnapshot snapshot;  ///< in: the map; out: the adjusted map
+  bool usable = false;          ///< the result may be taken
 
   bool as_free_body = false;
   bool model_unwanted = false;  ///< the motion so far has been invalidated since
@@ -40,7 +40,7 @@ struct AdjustmentJob {
 /// A pure function of the snapshot.
 void run_adjustment(AdjustmentJob* job);
 
-/// There is no memory for it: it comes back without a result.
+/// For a job that finds no memory: returns it without a result.
 void skip_adjustment(AdjustmentJob* job);
 
 }  // namespace polhode

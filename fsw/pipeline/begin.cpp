@@ -20,7 +20,7 @@ std::int64_t frames_with_pose(const InitialOutcome& start) {
       start.frames.begin(), start.frames.end(), [](const InitialFramePose& f) { return f.valid; });
 }
 
-// Residuals along a track are alike, so each counts three times (decision 0083).
+// Residuals along a track are correlated, so variances are three times as large (decision 0083).
 constexpr double kAlike = 3.0;
 
 void start_drift(const InitialOutcome& start, const Similarity& to_T, MapDrift* drift) {
@@ -33,8 +33,8 @@ void start_drift(const InitialOutcome& start, const Similarity& to_T, MapDrift* 
               drift);
 }
 
-/// The start's keyframes and landmarks into the map, and a first joint adjustment asked for. After
-/// it come the landmarks that the keyframes give beyond the start's tracks, and a second one.
+/// Puts the initialisation's keyframes and landmarks into the map and requests a first joint
+/// adjustment. Landmarks beyond the initialisation's tracks follow after it, with a second one.
 void take_over_start(const Similarity& to_T, Component::State* s) {
   const InitialOutcome& start = s->jobs.start.outcome;
   const CameraModel& camera = s->configuration.camera;
@@ -55,7 +55,7 @@ void take_over_start(const Similarity& to_T, Component::State* s) {
 
 using ReanchorFrames = FixedVector<ReanchorFrame, limits::kInitialFrames>;
 
-/// The start's poses beside those that the motion before the loss predicts for the same times.
+/// Poses of the initialisation, paired with those predicted by the motion before the loss.
 ReanchorFrames predicted_beside(const InitialOutcome& start,
                                 std::span<const CollectedFrame> collected_frames,
                                 const MotionEstimate& motion,
@@ -93,11 +93,11 @@ void begin(Component::State* s) {
   take_over_start({}, s);
 }
 
-/// After a loss. T stays: the new start is re-anchored in it by the motion so far, and the
-/// published sigmas grow by what that motion leaves open. The old map stays beside the new part,
-/// and joins it when one of its aspects comes back; it goes when the tables have no room for both.
-/// Where too little is known of the motion, or it contradicts the new start's, which was decided on
-/// its own, nothing ties the new start to T.
+/// After a loss. T stays: the motion so far re-anchors the new initialisation in it, and the
+/// published sigmas grow by the uncertainty of that motion. The old map stays beside the new part
+/// and joins it at a loop closure. It is dropped when the tables have no room for both. The new map
+/// gets a T of its own where the motion is uncertain or contradicts the initialisation, which was
+/// decided without it.
 void begin_again(Component::State* s) {
   const InitialOutcome& start = s->jobs.start.outcome;
   const Parameters& parameters = s->configuration.parameters;
@@ -117,8 +117,8 @@ void begin_again(Component::State* s) {
     return;
   }
   const Reanchoring& found_T = found.value();
-  // What this leaves open of T: the prediction's own error at the first frame, where it is least,
-  // and the disagreement over the start.
+  // Uncertainty of T: the prediction's error at the first frame, where it is least, and the misfit
+  // over the initialisation.
   add_reanchoring(std::hypot(frames[0].predicted_sigma_rad, found_T.misfit_rad),
                   0.5 * mapping.map.radius_mu,
                   mapping.map.next_keyframe_number,
@@ -126,7 +126,7 @@ void begin_again(Component::State* s) {
   s->counters.keyframes_culled += static_cast<std::uint32_t>(
       make_room(static_cast<int>(start.frames.size()), parameters.map, &mapping.map));
   if (!has_room(start, parameters.map, mapping.map)) {
-    const MapDrift drift = mapping.drift;  // T's, which stays
+    const MapDrift drift = mapping.drift;  // of T, which stays
     reset_map_and_motion(s);
     mapping.drift = drift;
   }
@@ -145,7 +145,7 @@ void take_start(Component::State* s) {
   }
   if (s->mode.now == Mode::kAcquiring) {
     begin(s);
-  } else if (s->mode.now == Mode::kLost) {  // else a known aspect has come back in the meantime
+  } else if (s->mode.now == Mode::kLost) {  // else relocalised in the meantime
     begin_again(s);
   }
 }

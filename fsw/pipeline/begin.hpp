@@ -1,12 +1,12 @@
-// A hypothesis selection has come back: the map begins, or begins anew after a loss.
+// Takes the result of a hypothesis selection: begins the map, or re-initialises it after a loss.
 #pragma once
 
 #include "pipeline/component.hpp"
 
 namespace polhode {
 
-/// When the selection commits, its outcome becomes the map, or a further part of it after a loss;
-/// the mode becomes TRACKING, and a joint adjustment is asked for.
+/// When the selection commits, its outcome becomes the map, or a further part of it after a loss.
+/// The mode becomes TRACKING, and a joint adjustment is requested.
 void take_start(Component::State* state);
 
 }  // namespace polhode

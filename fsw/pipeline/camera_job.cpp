@@ -32,7 +32,7 @@ FixedVector<std::int32_t, limits::kKeyframes> places_of(std::size_t poses) {
   return places;
 }
 
-/// Sizes and indices are such as they are prepared.
+/// Sizes and indices are within the ranges that prepare_camera_test() leaves.
 bool is_valid(const CameraJob& job) {
   const std::size_t poses = job.poses.size();
   const std::size_t points = job.points_T.size();
@@ -124,8 +124,8 @@ void prepare_camera_test(const CameraProblem& map, CameraJob* job) {
 }
 
 void run_camera_test(CameraJob* job) {
-  // With a right camera half as many settle an adjusted map; a focal length that was 30 % too long
-  // was not settled by 20 on the sample, and the test decided nothing.
+  // With a correct camera half as many converge. With a focal length 30 % too long 20 did not
+  // converge on the sample, and the test decided nothing.
   constexpr BundleOptions kOptions{.iterations_max = 30, .cauchy_sigma = 2.0};
   job->fit = {};
   if (is_valid(*job)) {  // else damaged in memory while it waited

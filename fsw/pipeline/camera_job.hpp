@@ -1,4 +1,4 @@
-// A test of the stated camera by the map's keyframes, as work apart from the step.
+// A test of the configured camera model by the map's keyframes, as a job beside the step.
 #pragma once
 
 #include <cstddef>
@@ -12,23 +12,23 @@
 
 namespace polhode {
 
-/// How the images of a map's keyframes move, by differences between the keyframes beside each. Zero
-/// where those are too far apart to tell.
+/// Image motion at each keyframe, by differences between its neighbours. Zero where the neighbours
+/// are too far apart for a rate.
 using MapMotions = FixedVector<PoseMotion, limits::kKeyframes>;
 MapMotions motions_of(const AdjustmentSnapshot& map);
 
-/// A whole map's problem. Its motions are another's to keep.
+/// The problem of a whole map. The caller keeps `motions` alive.
 CameraProblem camera_problem_of(const MapMotions& motions,
                                 const CameraModel& camera,
                                 AdjustmentSnapshot* map);
 
-/// As much of an adjusted map as the test works on: keyframes evenly over its time, and the
-/// landmarks that they see best.
+/// The part of an adjusted map used by the test: keyframes evenly spread in time, and their best
+/// observed landmarks.
 struct CameraJob {
-  // More make an iteration longer as their cube: 68 took three times as long as 32.
+  // An iteration's time grows with the cube of this: 68 took three times as long as 32.
   static constexpr std::size_t kPoses = 32;
-  // More make the sigma smaller as 1/sqrt(N), and the test longer as N. With 3000 a principal point
-  // that was 60 px away was not told on the sample in flight, by a hair.
+  // The sigma falls as 1/sqrt(N), and the time grows as N. With 3000 a principal point wrong by 60
+  // px was just missed on the sample in flight.
   static constexpr std::size_t kObservations = 4200;
   FixedVector<InverseDepthPose, kPoses> poses;
   FixedVector<std::uint8_t, kPoses> pose_fixed;
@@ -41,17 +41,17 @@ struct CameraJob {
   CameraFit fit;  ///< the result
 };
 
-/// What is remembered of the tests. It is the camera's: it outlives maps and targets.
+/// State of the tests. It belongs to the camera, so it outlives maps and targets.
 struct CameraState {
   bool waits = false;               ///< a test is prepared, and waits to be issued
-  std::uint32_t next_keyframe = 0;  ///< number of the map's next one when that was prepared
+  std::uint32_t next_keyframe = 0;  ///< number of the map's next one when the test was prepared
   CameraFinding found;
 };
 
-/// Copies what the test needs of an adjusted map. Its first pose, which is held, takes part.
+/// Copies the test's part of an adjusted map, with the first pose, which is fixed.
 void prepare_camera_test(const CameraProblem& map, CameraJob* job);
 
-/// A pure function of what was prepared.
+/// A pure function of the prepared job.
 void run_camera_test(CameraJob* job);
 
 /// A test without a result changes nothing.

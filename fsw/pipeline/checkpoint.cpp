@@ -96,9 +96,9 @@ void take_used(Reader* in, Table* table) {
   }
 }
 
-/// What goes on after a restart, room by room: the one list for both directions. Tables with unused
-/// slots follow after it. Rooms are taken apart by all their members, so that a new one does not
-/// compile until somebody has decided here whether it goes on.
+/// State that survives a restart, room by room: the one list for both directions. Tables with
+/// unused slots follow after it. All members of a room are bound here, so that a new member does
+/// not compile until it is decided whether it survives.
 /// @param visit  called with each value.
 template <typename Visitor, typename State>
 void visit_persistent(Visitor&& visit, State& s) {
@@ -122,7 +122,7 @@ void visit_persistent(Visitor&& visit, State& s) {
   all(commands, commands_done, cloud.number, servicer, reported, bus_scale, q_CT_last);
 }
 
-/// Jobs that are out are lost with the process: what they were for is still to be done.
+/// Jobs that are out are lost with the process. Loop closure and shape are then requested again.
 struct WorkLost {
   bool loop_open = false;
   bool shape_asked = false;
@@ -134,7 +134,7 @@ WorkLost work_lost(const JobQueue& jobs, const GrowthWaiting& growth) {
           .shape_asked = is_out_with<ShapeJob>(jobs.shape)};
 }
 
-/// Sizes of everything, which show when a table's entry has changed.
+/// Sizes of all values and entries, to detect a changed layout.
 struct Fingerprint {
   std::uint64_t version = 9;  ///< changes when the order or the meaning of the content does
   std::uint64_t keyframe = sizeof(Keyframe);
@@ -191,7 +191,7 @@ bool take_values(Reader reader, Component::State* s) {
     return false;
   }
   s->mapping.growth.closed = lost.loop_open;
-  s->camera.waits = false;  // what was prepared is lost; it comes with twice as many keyframes
+  s->camera.waits = false;  // the prepared test is lost; the next has twice the keyframes
   if (lost.shape_asked) {
     ask_shape_again(&s->shape);
   }

@@ -1,4 +1,4 @@
-// COASTING: a frame that cannot be looked at, while the motion still says where the target is.
+// COASTING: a frame that cannot be used, while the motion still predicts the target's pose.
 #pragma once
 
 #include <cstdint>
@@ -9,11 +9,11 @@
 
 namespace polhode {
 
-/// The motion's prediction where it may stand in for a pose (decision 0099).
+/// The predicted pose, where it may be published for a measured one (decision 0099).
 std::optional<PosePrediction> coasted_pose(std::int64_t timestamp_ns,
                                            const Component::State& state);
 
-/// For a frame that was not used. What is told of its target is predicted, until that is too
+/// For a frame that was not used. The target's state is reported by prediction, until that is too
 /// uncertain.
 void coast(std::int64_t timestamp_ns, Component::State* state);
 

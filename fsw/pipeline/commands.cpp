@@ -23,11 +23,11 @@ using bus::Command;
 using bus::Refusal;
 using bus::Rejection;
 
-/// What a command that is right in itself came to: done, or refused in this state and why.
+/// Outcome of a well-formed command: empty when done, else the reason of its refusal.
 using Outcome = std::string_view;
 constexpr Outcome kDone{};
 
-/// After it frames are no longer looked at.
+/// Frames after this command are not processed.
 Outcome hold_frames(ModeState* mode) {
   if (mode->held) {
     return "held already";
@@ -177,7 +177,7 @@ std::string_view objection(const bus::TableActivateCommand& commanded, const Con
   return needs_more_memory(table.parameters, c) ? "needs more memory" : "";
 }
 
-/// @return why not, or empty. Whatever was fitted by other options of the motion is dropped.
+/// @return the reason of a refusal, or empty. Changed motion options drop the fitted model.
 Outcome activate_table(const Command& command,
                        Configuration* configuration,
                        MotionEstimate* motion_estimate,
@@ -243,7 +243,7 @@ Outcome answer_point_question(const Command& command,
   return kDone;
 }
 
-/// Those that stop or forget the target go through most of the rooms; the others get theirs.
+/// Commands that stop or reset the target change most rooms; the others get their own room only.
 Outcome carry_out(const Command& command, Component::State* s) {
   Configuration* c = &s->configuration;
   bus::EventLog* events = &s->bus.events;
@@ -295,7 +295,7 @@ Outcome carry_out(const Command& command, Component::State* s) {
   return outcome;
 }
 
-/// Events of their own answer these: an acceptance by name would say it twice.
+/// These commands have events of their own; an event of acceptance by name would repeat them.
 bool answers_by_itself(bus::CommandCode code) {
   return code == bus::CommandCode::kNoop || code == bus::CommandCode::kResetCounters;
 }

@@ -32,36 +32,35 @@ struct TableNeed {
   std::size_t octets = 0;
 };
 
-/// Octets that a component needs for its own tables with these parameters.
+/// Bytes that a component needs for its own tables with these parameters.
 struct MemoryNeed {
   std::size_t total = 0;
   std::span<const TableNeed> tables;  ///< the total, one by one
 };
 MemoryNeed memory_needed(const Parameters& parameters);
 
-/// One camera frame. A frame that the camera could not deliver whole (truncated file, transfer
-/// error) comes with `readable` false and no image: it is counted and answered, never looked at.
+/// One camera frame. A frame that was not delivered complete (truncated file, transfer error) has
+/// `readable` false and no image: it is counted and answered, never processed.
 struct Frame {
   std::int64_t timestamp_ns = 0;  ///< mid-exposure, strictly increasing
   ImageView image;                ///< read during the step only
   bool readable = true;
 };
 
-/// Work that takes longer than a frame has time: the start of a map, adjustments of it, the fit of
-/// the dynamics, the shape, a test of the camera. The step hands it out, the caller runs it
-/// where it likes while steps go on, and hands it back to the step that it names, so that the
+/// Work that takes longer than a frame: initialisation and adjustments of a map, the fit of the
+/// dynamics, the shape, a test of the camera. The step hands it out, and the caller runs it on any
+/// thread while steps go on. The caller returns it with the step given by due_step(), so that the
 /// packets do not depend on how long it took.
 struct Job;
 
-/// In the order in which they are best run. Out at a time: one of the map, one fit, one shape
-/// or test of the camera.
+/// In order of priority. Out at a time: one of the map, one fit, one shape or test of the camera.
 using Jobs = FixedVector<Job*, 3>;
 
-/// Does the work. Touches nothing but the job.
+/// Does the work. Changes nothing but the job.
 void run_job(Job& job);
 
-/// Instead of run_job, when there is no memory for it: it comes back without a result, which the
-/// step counts and does without.
+/// Replaces run_job() when there is no memory for it. The job returns without a result; the step
+/// counts that.
 void skip_job(Job& job);
 
 /// Number of the step (the first is 0) that takes the result.
@@ -70,15 +69,15 @@ std::uint32_t due_step(const Job& job);
 struct StepInput {
   Frame frame;
   /// The observer's attitude at the frame: q_IC, w, x, y, z, C's components to inertial ones.
-  /// Without it the last attitude and rate that came by command are carried on; without those the
-  /// camera keeps its attitude.
+  /// Without it the attitude last commanded is propagated at its rate; without a command the camera
+  /// keeps its attitude.
   std::optional<std::array<double, 4>> q_IC = {};
   Jobs finished = {};  ///< the jobs that name this step, run to their end
-  /// Libraries have drawn on the reserve since the last step: for a while less is asked of them
-  /// (fewer features, a smaller window), and the step is counted.
+  /// Libraries have drawn on the reserve since the last step. The step is counted, and for some
+  /// steps they get less work (fewer features, a smaller window).
   bool memory_short = false;
-  /// Command packets received since the last step, one each, carried out before the frame is looked
-  /// at. At most limits::kStepCommands; those beyond are rejected.
+  /// Command packets received since the last step, one each, carried out before the frame is used.
+  /// At most limits::kStepCommands; those beyond are rejected.
   std::span<const std::span<const std::uint8_t>> commands = {};
 };
 
@@ -114,7 +113,7 @@ inline constexpr std::size_t kStageCount =
 
 struct StepOutput {
   FrameUse use = FrameUse::kUsed;
-  FrameVerdict verdict;  ///< on the picture: what was wrong with it, and by what number
+  FrameVerdict verdict;  ///< on the image: its fault, and the number that shows it
   MotionState motion;
   std::span<const std::uint8_t> packets;  ///< whole packets, in order; valid until the next step
   std::span<const Observation> observations;  ///< valid until the next step
@@ -122,33 +121,34 @@ struct StepOutput {
   bool checkpoint_asked = false;              ///< by command: the caller is to write one now
 };
 
-/// Called at the end of each stage, in the order of the flow, save that a new keyframe comes back
-/// from the map to the mask; lets the caller time the stages with its own clock. Must not throw.
+/// Called at the end of each stage, so that the caller can time the stages by its own clock. In the
+/// order of the flow, except that a new keyframe runs the mask again after the map. Must not throw.
 using StageHook = void (*)(void* context, Stage stage);
 
 class Component {
  public:
-  /// Builds a component inside `memory`, which must outlive it and be aligned to 64 octets.
+  /// Builds a component inside `memory`, which must outlive it and be aligned to 64 bytes.
   /// @errors BadParameter (names field, value, range), MemoryTooSmall.
   static Result<Component*> create(std::span<std::byte> memory, const Parameters& parameters);
 
-  /// Gives back what the component has drawn from the heap by way of libraries; the memory is the
-  /// caller's again.
+  /// Frees heap memory that the component allocated through libraries; `memory` is the caller's
+  /// again.
   static void destroy(Component* component);
 
   /// One frame. Bounded work; the output's spans stay valid until the next call.
   const StepOutput& step(const StepInput& input);
 
-  /// Where a point of the target will be, by what the last step left. Changes nothing; between
-  /// steps.
-  /// @return empty, or why there is no answer; then `answer` is untouched. @cost up to 2 ms.
+  /// Predicts a point of the target from the state after the last step. Changes nothing. For calls
+  /// between steps.
+  /// @return empty, or the reason why there is no answer; then `answer` is untouched.
+  /// @cost up to 2 ms.
   [[nodiscard]] std::string_view predict_point(const PointQuestion& question,
                                                PointState* answer) const;
 
   void set_stage_hook(StageHook hook, void* context);
   [[nodiscard]] const Counters& counters() const;
-  /// Number of the step to come, by which jobs name theirs. It goes on after a restart, and no
-  /// command resets it.
+  /// Number of the next step; due_step() counts alike. It continues after a restart, and no command
+  /// resets it.
   [[nodiscard]] std::uint32_t next_step() const;
 
   struct State;

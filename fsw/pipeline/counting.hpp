@@ -1,4 +1,4 @@
-// What the rooms count by themselves goes into the component's counters.
+// Adds the rooms' own counts to the component's counters.
 #pragma once
 
 #include "bus/counters.hpp"
@@ -11,13 +11,13 @@ struct JobCounts;
 struct MapCounts;
 struct ScaleChange;
 
-/// What became of a frame, and what was wrong with its picture.
+/// Counts the use of a frame and the fault of its image.
 void count(FrameUse use, const FrameVerdict& verdict, Counters* counters);
 
 /// A reading of the scale. @return it was read.
 bool count(const ScaleChange& change, Counters* counters);
 
-/// Takes the rooms' counts: they begin anew.
+/// Adds the rooms' counts and resets them to zero.
 void take_counts(MapCounts* map, JobCounts* jobs, Counters* counters);
 
 }  // namespace polhode

@@ -6,8 +6,8 @@ namespace polhode {
 
 Admission admit(std::int64_t timestamp_ns, FrameClock* clock, std::uint32_t* missing) {
   *missing = 0;
-  // Later, and by no more than a run lasts. What is later than that is a wrong time, too: taken for
-  // right it would make all that has a time look damaged.
+  // Later, and by no more than a run lasts. A later time is wrong, too: if accepted it would make
+  // all earlier times look damaged.
   const bool rises = !clock->time_known || (timestamp_ns > clock->timestamp_ns &&
                                             validity::is_past(clock->timestamp_ns, timestamp_ns));
   if (!validity::is_time(timestamp_ns) || (!rises && !outvotes(timestamp_ns, &clock->doubt))) {
@@ -15,7 +15,7 @@ Admission admit(std::int64_t timestamp_ns, FrameClock* clock, std::uint32_t* mis
   }
   if (!rises) {
     clock->arrivals = {};
-    clock->timestamp_ns = timestamp_ns;  // whatever becomes of its picture
+    clock->timestamp_ns = timestamp_ns;  // also where its image is not used
   }
   clock->doubt = {};
   *missing = static_cast<std::uint32_t>(missing_frames(timestamp_ns, &clock->arrivals));

@@ -1,4 +1,4 @@
-// Which frames may be looked at, by their time.
+// Admits frames by their time.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace polhode {
 struct FrameClock {
   std::uint32_t frame = 0;  ///< index of this one; no command resets it
   std::uint32_t next_frame = 0;
-  std::int64_t timestamp_ns = 0;  ///< of the last frame whose picture could be looked at
+  std::int64_t timestamp_ns = 0;  ///< of the last frame whose image was used
   bool time_known = false;
   EarlierTimes doubt;
   ArrivalHistory arrivals;
@@ -20,12 +20,12 @@ struct FrameClock {
 
 enum class Admission : std::uint8_t {
   kLater,         ///< than the last one
-  kNotLater,      ///< or later than a run lasts, or beyond the ends of time: it is passed by
-  kTimeWasWrong,  ///< the time before it was: nothing that has a time can stay
+  kNotLater,      ///< or later than a run lasts, or out of the range of times: skipped
+  kTimeWasWrong,  ///< the time before it: everything with a time is reset
 };
 
-/// May a frame with this time be looked at? Counts it where it may.
-/// @param missing  frames that never came before it, by the intervals so far.
+/// May a frame with this time be used? Records its arrival where it may.
+/// @param missing  frames missing before it, by the intervals so far.
 Admission admit(std::int64_t timestamp_ns, FrameClock* clock, std::uint32_t* missing);
 
 }  // namespace polhode

@@ -1,5 +1,5 @@
-// What tools beside the flight loop may read of a component: exposure control, records of masks,
-// the end of a replay. What flies by packets alone needs nothing of this.
+// Read access to a component for tools beside the flight loop: exposure control, records of masks,
+// the end of a replay. Flight by packets alone does not use it.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ struct TargetMask;
 struct GroundView {
   const Parameters& parameters;  ///< as they are now: commands change them
   const CameraModel& camera;
-  const cv::Mat& gray;  ///< the last picture that was looked at
+  const cv::Mat& gray;  ///< the last imported image
   const TargetMask& mask;
   const MaskState& mask_state;
   const InitialisationState& initialisation;  ///< frames and tracks before there is a map
@@ -32,15 +32,15 @@ struct GroundView {
   const MapDrift& drift;
   const Pose& last_pose;                       ///< found last, in map units
   const RigidModel& model;                     ///< of the motion so far
-  std::int64_t moves_so_since_ns = INT64_MIN;  ///< the body was disturbed then, the last time
+  std::int64_t moves_so_since_ns = INT64_MIN;  ///< time of the last disturbance
   const ScaleState& scale;
-  std::uint32_t scale_number = 0;     ///< that lengths in it go under
+  std::uint32_t scale_number = 0;     ///< of the scale, as lengths are published with it
   const CameraFinding& camera_found;  ///< by tests of the stated camera
   std::uint32_t target_frame = 0;     ///< number of the frame T that the map is in
 };
 
-/// Has the last adjustment of all fitted the motion together with the map? Only while no job is
-/// out: what a worker is writing is not looked at.
+/// Has the last adjustment of the whole map fitted the motion together with the map? Only while no
+/// job is out: a worker may be writing to it.
 bool motion_is_of_map(const Component& component);
 bool motion_is_of_map(const Component::State& state);
 

@@ -7,7 +7,7 @@
 namespace polhode {
 namespace {
 
-/// How each kind of work is done, and how it comes back without having been done.
+/// Runs, or skips without a result, each kind of work.
 struct Run {
   void operator()(std::monostate) const {}
   void operator()(InitialisationJob* work) const { run_initialisation(work); }

@@ -1,10 +1,10 @@
-// The long work of a component: plain snapshots that pure functions turn into results, on whichever
-// thread the caller likes.
+// The long work of a component: pure functions turn plain snapshots into results, on any thread of
+// the caller.
 //
-// One job of the map, one fit of the dynamics and one estimate of the shape, or test of the
-// camera, are out at a time; none waits for another, as the others change nothing of the map. A
-// result is taken in at a step that is named when the job is issued (logical execution time), so
-// the packets do not depend on how long the work took.
+// One job of the map, one fit of the dynamics and one estimate of the shape, or test of the camera,
+// are out at a time. None waits for another, as only the first changes the map. The step that takes
+// a result is fixed when the job is issued (logical execution time), so the packets do not depend
+// on how long the work took.
 #pragma once
 
 #include <cstdint>
@@ -20,15 +20,15 @@
 
 namespace polhode {
 
-/// What is to be done; nothing while the job is not out.
+/// The job's data; empty while the job is not out.
 using JobWork = std::
     variant<std::monostate, InitialisationJob*, AdjustmentJob*, FitJob*, ShapeJob*, CameraJob*>;
 
 struct Job {
   JobWork work;
   bool done = false;
-  bool skipped = false;   ///< there is no result
-  bool unwanted = false;  ///< the result is for nothing: what it was taken from is no longer there
+  bool skipped = false;     ///< there is no result
+  bool unwanted = false;    ///< stale: the data it was prepared from has been reset
   bool handed_out = false;  ///< to the caller, with the output of the step that issued it
   std::uint32_t due_step = 0;
 };
@@ -41,13 +41,13 @@ template <typename Work>
   return std::holds_alternative<Work*>(job.work);
 }
 
-/// Since they were last taken.
+/// Counts since take_counts().
 struct JobCounts {
   std::uint32_t issued = 0;
   std::uint32_t tables_full = 0;
 };
 
-/// The state of this room: what is out, and the tables that it works on.
+/// The state of this room: jobs that are out, and their tables.
 struct JobQueue {
   Job map;  ///< an initialisation or an adjustment
   Job fit;
@@ -60,18 +60,18 @@ struct JobQueue {
   CameraJob camera;
 };
 
-/// Sends off what has been prepared: to the caller with this step's output, or, with a delay of 0,
-/// to be run within the step.
+/// Issues a prepared job: to the caller with this step's output, or, with a delay of 0, to run
+/// within the step.
 /// @param job  one of the queue's, not out.
 void issue_job(JobWork work, const JobTimes& times, Job* job, JobQueue* queue);
 
-/// What is being fitted to the poses so far is for nothing.
+/// Marks fits to the poses so far as stale.
 void invalidate_fits(JobQueue* queue);
 
-/// A hypothesis selection that is out is for frames that are no longer there.
+/// Marks a hypothesis selection that is out as stale: its frames have been reset.
 void invalidate_start(JobQueue* queue);
 
-/// What is out belongs to a target that is forgotten.
+/// Marks all jobs that are out as stale: their target has been reset.
 void invalidate_all(JobQueue* queue);
 
 /// The jobs issued in this step, for the caller to run; each is handed out once.

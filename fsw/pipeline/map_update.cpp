@@ -13,8 +13,8 @@
 namespace polhode {
 namespace {
 
-/// A motion was fitted together with the map: the map has no other drift than the model's own
-/// error.
+/// Takes a motion that was fitted together with the map. The map's drift is then the model's error
+/// alone.
 void take_motion_of_map(const RigidModel& model,
                         MapState* mapping,
                         MotionEstimate* motion,
@@ -28,22 +28,22 @@ void take_motion_of_map(const RigidModel& model,
   }
   if (reaches_over_reanchoring(*mapping)) {
     close_reanchoring(
-        &drift);  // a motion is fitted to parts of a map only where observations tie them
+        &drift);  // a joint fit of several parts of a map requires observations shared by them
   }
 }
 
-/// The map and, where one came out, the motion take the result over. A loop whose adjustment came
-/// to nothing is still to be closed.
+/// The map takes the result, and the motion takes the model if there is one. A loop stays open when
+/// its adjustment failed.
 MapCorrection take_over(MapState* mapping,
                         MotionEstimate* motion,
                         JobQueue* jobs,
                         Counters* counters) {
   const AdjustmentJob& job = jobs->adjustment;
-  // Meanwhile the motion that the poses were bound to may have ended.
+  // A disturbance may have ended the fitted motion while the job was out.
   const bool bound = job.as_free_body && job.model.accepted();
   const bool ended = bound && (job.model_unwanted || motion->departures > 0);
   const bool usable = job.usable && !ended && is_valid(job.snapshot);
-  if (ended) {  // all of the map is adjusted anew, its poses free
+  if (ended) {  // the whole map is adjusted again, with free poses
     mapping->growth.any = true;
     mapping->last_adjustment_of_all = {};
     ++counters->jobs_without_result;
@@ -62,7 +62,7 @@ MapCorrection take_over(MapState* mapping,
   return update.correction;
 }
 
-/// What was seen after the adjusted keyframes moves along.
+/// Applies the correction to poses measured after the adjusted keyframes.
 void move_since(const MapCorrection& correction, MapState* mapping, MotionEstimate* motion) {
   correct_reference(correction, mapping);
   move_seen(correction.moved(motion->last_seen.pose_C.pose), motion);
@@ -71,7 +71,7 @@ void move_since(const MapCorrection& correction, MapState* mapping, MotionEstima
   }
 }
 
-/// So does the keyframe that the map has grown by.
+/// Applies it to the newest keyframe's pose, too.
 void move_with_newest(const AdjustmentJob& job,
                       std::uint32_t frame,
                       MapState* mapping,
@@ -85,7 +85,7 @@ void move_with_newest(const AdjustmentJob& job,
   }
 }
 
-/// The poses so far, measured anew in a map that was adjusted for the first time.
+/// Solves the poses so far again, in a map that was adjusted for the first time.
 /// @param input  this frame
 void restate(const MapInput& input, MapState* mapping, MotionEstimate* motion, JobQueue* jobs) {
   FixedVector<PoseSample, limits::kKeyframes> poses;
@@ -113,8 +113,8 @@ void restate(const MapInput& input, MapState* mapping, MotionEstimate* motion, J
   invalidate_fits(jobs);
 }
 
-/// The map as adjusted just now is copied for a test of the camera, each time that there have
-/// been twice as many keyframes. It is never urgent, and never done within a step.
+/// Copies the adjusted map for a test of the camera, each time the number of keyframes has doubled.
+/// The test is not urgent and never runs within a step.
 void prepare_test(const Configuration& configuration,
                   bool memory_short,
                   CameraState* camera,
@@ -152,7 +152,7 @@ void take_adjustment(Component::State* s) {
   move_since(correction, &s->mapping, &s->motion);
   prepare_test(s->configuration, s->steps_to_shed > 0, &s->camera, &s->jobs);
   if (!s->mapping.growth.closed) {
-    // This would untie a loop that is still to be closed: its ends are sigmas apart.
+    // Culling would remove the associations of an open loop: its ends are sigmas apart.
     cull_misfits(camera, &s->mapping);
   }
   refresh_map(camera, &s->mapping);

@@ -1,4 +1,4 @@
-// An adjustment's result on its way through the rooms: map, motion, what is asked for next.
+// Applies an adjustment's result to the map and the motion, and requests the next adjustment.
 #pragma once
 
 #include "pipeline/adjustment.hpp"
@@ -6,15 +6,15 @@
 
 namespace polhode {
 
-/// An adjustment may be prepared from this.
+/// Input of an adjustment, from this step's state.
 AdjustmentView adjustment_view(const Component::State& state);
 
-/// The map takes a result over and is culled. What was derived from the adjusted keyframes follows:
-/// this frame's pose, those remembered, the reference of optical flow, and what has come since.
-/// Asks for the next adjustment if the map has grown meanwhile.
+/// Puts a result into the map and culls it. Corrects everything derived from the adjusted
+/// keyframes: this frame's pose, the stored poses, the reference of optical flow, and later
+/// keyframes. Requests the next adjustment if the map has grown meanwhile.
 void take_adjustment(Component::State* state);
 
-/// Joint adjustment of all keyframes and landmarks, here and now.
+/// Joint adjustment of all keyframes and landmarks, without a job.
 void adjust_all(int iterations_max, Component::State* state);
 
 }  // namespace polhode

@@ -74,7 +74,7 @@ bool tells_model(const CameraParameters& camera, const CameraModel& model) {
 
 bool is_of_camera(const ParameterRow& row) { return row.key.starts_with("camera."); }
 
-/// The tables agree in it, or the model tells which of them is right.
+/// The tables agree in the camera, or the camera model shows which of them is right.
 bool camera_is_known(const Configuration& c) {
   const auto rows = parameter_table();
   return std::all_of(rows.begin(),

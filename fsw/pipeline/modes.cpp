@@ -3,7 +3,7 @@
 namespace polhode {
 namespace {
 
-/// Which modes a transition starts from.
+/// Modes that a transition starts from, as bits.
 enum From : std::uint8_t {
   kFromIdle = 1,
   kFromAcquiring = 2,

@@ -1,4 +1,4 @@
-// The modes of the component, and all that changes them.
+// The modes of the component and the transitions between them.
 #pragma once
 
 #include <cstdint>
@@ -24,15 +24,15 @@ enum class ModeEvent : std::uint8_t {
 /// The state of this room.
 struct ModeState {
   Mode now = Mode::kIdle;
-  bool held = false;  ///< by command: frames are not looked at, and the mode is idle
+  bool held = false;  ///< by command: frames are not processed, and the mode is IDLE
 };
 
-/// Was there a pose in the last frame that could be looked at?
+/// Did the last usable frame have a pose, measured or predicted?
 inline bool has_target(const ModeState& mode) {
   return mode.now == Mode::kTracking || mode.now == Mode::kCoasting;
 }
 
-/// Carries out the one transition that the table has for this event; without one nothing changes.
+/// Carries out the transition that the table has for this event; without one nothing changes.
 void change_mode(ModeEvent event, ModeState* mode);
 
 }  // namespace polhode

@@ -5,9 +5,9 @@
 
 namespace polhode {
 
-/// The observer's attitude at the frame that begins: the frame's own, else the one last reported by
-/// command and turned on at its rate. With the first attitude of a run everything so far, for which
-/// C stood in for I, is turned into I.
+/// Sets the observer's attitude at this frame: the frame's own, else the last commanded one,
+/// propagated at its rate. Before the first attitude of a run, I is C. With the first attitude the
+/// data so far is rotated into I.
 void set_observer(const StepInput& input, Component::State* state);
 
 }  // namespace polhode

@@ -14,8 +14,8 @@ struct JobOptions {
 /// Is there work for a second thread?
 [[nodiscard]] constexpr bool has_work_beside(const JobOptions& jobs) { return jobs.delay_frames > 0 || jobs.delay_of_all_frames > 0; }
 
-/// What the machine provides. It is decided before start and never exceeded. The component itself needs none of it.
-/// The pools are chosen with room to spare; docs/resources.md has what they use.
+/// Resources of the machine. They are decided before start and never exceeded. The component itself uses none of them.
+/// The pools are chosen with a margin; docs/resources.md has their use.
 struct BudgetOptions {
   double frame_ms = 0.0;  ///< time allowed for a step, longer ones are counted; 0: no limit
   // The standard tables (60 MiB), the pools below (120 MiB), images, stacks and the program.

@@ -6,9 +6,9 @@
 
 namespace polhode {
 
-/// Before the first step; a restart keeps it. The packets are then a function of it, too.
-/// @param own  of the camera's size: nothing there is target. It must outlive the component. Null:
-/// nothing is the servicer's.
+/// For a call before the first step; a restart keeps the mask. The packets then depend on it, too.
+/// @param own  of the camera's size; its pixels are never target. It must outlive the component.
+/// Null: no own structure is visible.
 void set_own_structure(const OwnStructure* own, Component* component);
 
 }  // namespace polhode

@@ -40,7 +40,7 @@ struct WriteBits {
     to = in_range(value) ? value : to;
     return in_range(value);
   }
-  /// A word, by its place among those allowed.
+  /// A choice, by its index among the allowed words.
   template <typename T>
   bool choice(Member<T> where) const {
     if (bits >= choices_of(T{}).size()) {

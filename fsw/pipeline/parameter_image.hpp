@@ -10,7 +10,7 @@
 
 namespace polhode {
 
-/// CRC-32 of a dotted key: what a parameter is called on the bus.
+/// CRC-32 of a dotted key: the identifier of a parameter on the bus.
 std::uint32_t key_crc(std::string_view key);
 
 /// The row of this key, or nullptr.

@@ -21,7 +21,7 @@ consteval AnyMember member(T& (*where)(Parameters&)) {
       [](Parameters& p) -> std::remove_reference_t<decltype((Parameters{}.path))>& {  \
         return p.path;                                                                \
       }))
-// So does its key.
+// The key follows from the field, too.
 #define POLHODE_OPTION(path) #path, POLHODE_FIELD(path)
 
 // Every double up to here fits into 63 bits: 2^63 is 9.22e18.
@@ -265,7 +265,7 @@ std::optional<Error> check_points(const Parameters& parameters) {
   return std::nullopt;
 }
 
-/// Checks only what is given, and what goes with it.
+/// Checks only the given lengths, and the values that belong to them.
 std::optional<Error> check_scale(const Parameters& parameters) {
   const ScaleOptions& scale = parameters.scale;
   struct Given {

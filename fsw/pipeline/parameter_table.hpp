@@ -1,4 +1,4 @@
-// One row per parameter: its name, where it lives, what it may be. The check before start, the
+// One row per parameter: its name, its member, its allowed values. The check before start, the
 // reader of configuration files, the printed table and config/default.toml all come from these
 // rows.
 #pragma once
@@ -58,8 +58,7 @@ std::span<const ParameterRow> parameter_table();
 /// @return the row of this dotted key, or nullptr.
 const ParameterRow* find_parameter(std::string_view key);
 
-/// True for keys that have no default: they are absent unless somebody gives them (`camera.*`,
-/// `scale.*`).
+/// True for keys without a default: they are absent unless configured (`camera.*`, `scale.*`).
 bool has_no_default(std::string_view key);
 
 /// The value as text that reads back to the same value.

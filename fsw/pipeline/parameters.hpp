@@ -1,5 +1,4 @@
-// Everything that may be set, in one plain table: defaults work on any sequence, units are in the
-// names.
+// All parameters in one plain table: defaults work on any sequence, units are in the names.
 #pragma once
 
 #include <cstdint>

@@ -19,7 +19,7 @@ FrameUse use_of(const FrameVerdict& verdict) {
                                                                       : FrameUse::kUsed;
 }
 
-/// Where the map's landmarks are in the picture with this pose.
+/// Pixels of the map's landmarks with this pose.
 MaskPrior mask_prior(const Pose& pose,
                      const Map& map,
                      const CameraModel& camera,
@@ -39,7 +39,7 @@ MaskPrior mask_prior(const Pose& pose,
       break;
     }
   }
-  // A body that is passed closely fills the picture, and no more.
+  // The image bounds the radius of a body at close range.
   const double radius_px = map.radius_mu * camera.focal_px() / pose.p_CT.z();
   return {.points_px = picture->landmarks_px.view(),
           .radius_px = std::min(radius_px, static_cast<double>(limits::kImageSide))};

@@ -1,4 +1,4 @@
-// The frame comes in: copied, judged, searched for the target.
+// Imports the frame, assesses its quality and finds the target's mask.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -19,8 +19,7 @@ struct FlowReference;
 struct Map;
 struct Pose;
 
-/// The state of the rooms image and mask: this frame's picture, and what is remembered of earlier
-/// ones.
+/// The state of the rooms image and mask: this frame's image, and the history of earlier ones.
 struct PictureState {
   cv::Mat gray;
   QualityHistory quality;
@@ -31,22 +30,22 @@ struct PictureState {
   FixedVector<cv::Point2f, limits::kLandmarks> landmarks_px;  ///< where the map has them
 };
 
-/// Pictures are looked at anew, after a pause or for another target: none is compared with the ones
-/// before.
+/// Resets the history of images, after a pause or for another target: the next one is not compared
+/// with earlier ones.
 void reset_pictures(PictureState* picture);
 
-/// Imports the image alone; what is the servicer's own is black in it. @param reference  takes over
-/// the picture that was in `gray`, where it still waits for it.
+/// Imports the image alone; the servicer's own structure is black in it.
+/// @param reference  takes the earlier image in `gray`, where it has not copied that yet.
 FrameUse bring_picture(const Frame& frame,
                        const CameraModel& camera,
                        FlowReference* reference,
                        PictureState* picture);
 
-/// Judges the quality of an imported image.
+/// Assesses the quality of an imported image.
 FrameUse judge_picture(const ImageOptions& options, PictureState* picture);
 
-/// Finds the target's mask; while a map is tracked and something may be behind it, with the
-/// landmarks where the predicted pose has them.
+/// Finds the target's mask. While a map is tracked before a lit background, landmarks at the
+/// predicted pose are the prior.
 /// @param predicted  nullptr: there is none, or no map is tracked.
 void look_for_target(const Pose* predicted,
                      const Map& map,

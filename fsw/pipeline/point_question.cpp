@@ -19,7 +19,7 @@ Eigen::Vector3d to_vector(const std::array<double, 3>& a) { return {a[0], a[1], 
 
 std::array<double, 3> to_array(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
-/// What is wrong with the question, or empty.
+/// Reason why the request is rejected, or empty.
 std::string_view objection(const PointQuestion& asked, const Component::State& s) {
   if (s.mapping.map.landmark_count == 0) {
     return "no map";
@@ -40,7 +40,7 @@ std::string_view objection(const PointQuestion& asked, const Component::State& s
   return {};
 }
 
-/// Values that are too little known keep their flag down.
+/// Values that are too uncertain keep their flag at false.
 void put_point(const PredictedPoint& found,
                const Eigen::Vector3d& normal_T,
                const Eigen::Matrix3d& R_CI,

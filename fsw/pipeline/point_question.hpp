@@ -1,4 +1,4 @@
-// Where a point of the target will be: the question of a planner, by call or by command.
+// Predicts a point of the target for a planner, by call or by command.
 #pragma once
 
 #include <string_view>
@@ -7,8 +7,8 @@
 
 namespace polhode {
 
-/// By what the last step left, in the unit of lengths that is published.
-/// @return empty, or why there is no answer; then `answer` is untouched.
+/// Predicts from the state after the last step, in the published unit of lengths.
+/// @return empty, or the reason why there is no answer; then `answer` is untouched.
 [[nodiscard]] std::string_view predict_point(const PointQuestion& question,
                                              const Component::State& state,
                                              PointState* answer);

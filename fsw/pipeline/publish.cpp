@@ -17,7 +17,7 @@ std::uint16_t inliers(const LandmarkMatches& matches) {
       matches.begin(), matches.end(), [](const LandmarkMatch& m) { return m.inlier; })));
 }
 
-/// A pose in the unit published, with what scale and camera add to its error.
+/// A pose in the published unit. Its error includes those of scale and camera.
 /// @param covariance  of the pose in map units, the map's own error included.
 /// @param q_last  quaternion published last; becomes this one.
 void fill_pose_in_unit(const Pose& pose_mu,
@@ -32,7 +32,7 @@ void fill_pose_in_unit(const Pose& pose_mu,
   fill_pose(pose, covariance + by_scale(pose, unit.relative_sigma), q_last, m);
 }
 
-/// From where a match was at the frame's time to where its row saw it.
+/// Shift of a match from the frame's time to its row's time.
 Eigen::Vector2d row_shift_px(const CameraModel& camera, const LandmarkMatch& match) {
   if (camera.line_time_s == 0.0) {
     return Eigen::Vector2d::Zero();
@@ -40,7 +40,7 @@ Eigen::Vector2d row_shift_px(const CameraModel& camera, const LandmarkMatch& mat
   return Eigen::Vector2d(match.u_px, match.v_px) - project_px(camera, match.normalised);
 }
 
-/// Matches with where their landmarks reproject; of a frame without a pose its features.
+/// Lists matches with their landmarks' reprojections; without a pose, the frame's features.
 void list_observations(const MapState& mapping,
                        const Features& features,
                        const CameraModel& camera,
@@ -76,8 +76,8 @@ void list_observations(const MapState& mapping,
   }
 }
 
-/// Pose and rates have what the map's drift, inconsistency, scale and a contradicted camera add to
-/// their errors. No rates where the turns contradict the times, and none of a predicted pose.
+/// Errors of pose and rates include the map's drift, inconsistency, scale and a contradicted
+/// camera. No rates where the rotations contradict the timestamps, and none of a predicted pose.
 MotionState motion_state(std::int64_t timestamp_ns,
                          const StampDoubt& stamps,
                          const PublishedErrors& errors,

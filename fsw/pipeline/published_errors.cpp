@@ -7,11 +7,11 @@
 namespace polhode {
 namespace {
 
-/// What a contradicted camera adds to the errors of this frame.
+/// Error that a contradicted camera adds in this frame.
 CameraError error_by_camera(const Component::State& s) {
   const PoseHistory& recent = s.motion.recent;
   if (!s.mapping.pose_valid && recent.empty()) {
-    return error_by(s.camera.found, 0.0);  // there are lengths alone
+    return error_by(s.camera.found, 0.0);  // lengths are published alone
   }
   const Pose& pose = s.mapping.pose_valid ? s.mapping.localised.absolute.pose : recent.back().pose;
   return error_by(s.camera.found, s.mapping.map.radius_mu / pose.p_CT.norm());

@@ -1,4 +1,4 @@
-// What everything that is published has in common.
+// Unit and camera error, common to all published values.
 #pragma once
 
 #include "bus/length_unit.hpp"
@@ -7,7 +7,7 @@
 
 namespace polhode {
 
-/// The unit of lengths, and what a contradicted camera adds to errors.
+/// The unit of lengths, and the error added by a contradicted camera.
 struct PublishedErrors {
   CameraError camera;
   bus::LengthUnit unit;

@@ -1,19 +1,20 @@
-// What is forgotten, and when. Each room resets itself; here stands which ones go together.
+// Resets of several rooms at once. Each room resets itself.
 #pragma once
 
 #include "pipeline/component.hpp"
 
 namespace polhode {
 
-/// The map, and all that rests on it: motion, shape, what is being worked out from them. The scale
-/// goes with a new T only.
+/// Resets the map and everything derived from it: motion, shape, jobs that are out. The scale is
+/// reset with a new T only.
 void reset_map_and_motion(Component::State* state);
 
-/// The target: the map, what was collected for one, its scale, the pictures so far. What lasts are
-/// parameters, counters, the servicer's attitude and the number of T.
+/// Resets the target: the map, frames collected for one, its scale, the history of images.
+/// Parameters, counters, the servicer's attitude and the number of T are kept.
 void reset_target(Component::State* state);
 
-/// Frames are no longer looked at: what was collected is old when they are again.
+/// Resets the data that is stale after a pause: flow reference, collected frames, history of
+/// images.
 void pause(Component::State* state);
 
 }  // namespace polhode

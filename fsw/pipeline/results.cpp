@@ -13,7 +13,7 @@
 namespace polhode {
 namespace {
 
-// A start is followed by two adjustments, each of which ends before the next begins.
+// An initialisation is followed by two adjustments, each of which ends before the next begins.
 constexpr int kJobsInARowMax = 4;
 
 void take_fit_result(const FitJob& job, const MapDrift& drift, MotionEstimate* motion) {
@@ -32,14 +32,14 @@ void take_shape_result(const ShapeJob& work,
   }
 }
 
-/// Lengths that a shape has are known in metres by its options.
+/// Reads the scale from a shape with a configured length.
 void read_scale_of_shape(const Shape& shape,
                          const ScaleOptions& options,
                          const MapDrift& drift,
                          ScaleState* scale,
                          Counters* counters) {
-  // A rectangle ends where its points do, and what was seen from one aspect is bent: only a body
-  // that was seen over a quarter turn has known lengths.
+  // A rectangle ends at its outermost points, and a map of one aspect is bent. Lengths are
+  // therefore read only of a body that was seen over a quarter turn.
   constexpr double kAcross_rad = 1.57;
   if ((shape.box || shape.cylinder) && drift.turn_rad > kAcross_rad) {
     count(read_scale_of(shape, options, scale), counters);
@@ -90,10 +90,10 @@ void take_if_due(Job* job, const Jobs& finished, Component::State* s) {
   }
 }
 
-/// What a map begins with is adjusted within the step, once: put off, it is tracked on while it is
-/// still bent, and a body that turns by 10 deg a frame is lost before its other aspects have
-/// landmarks. A start that took more frames than these is of a body that shows the same aspect for
-/// longer. Its adjustments take several times as long as a step, and are done beside the steps.
+/// A new map is adjusted within the step. Tracked while it is still bent, a body that rotates by 10
+/// deg a frame is lost before its other aspects have landmarks. An initialisation with more frames
+/// than these is of a body that shows the same aspect for longer. Its adjustments take several
+/// times as long as a step, and run beside the steps.
 bool begins_within_step(const Component::State& s) {
   constexpr std::uint32_t kKeyframesMost = 12;  // 20 to 32 take 0.1 to 0.2 s. Chosen
   const AdjustmentJob& job = s.jobs.adjustment;

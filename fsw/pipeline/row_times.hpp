@@ -1,4 +1,4 @@
-// Rows of a rolling shutter: how the map's landmarks are expected to move in the picture.
+// Rows of a rolling shutter: the expected motion of the map's landmarks in the image.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,8 @@
 
 namespace polhode {
 
-/// The image motion at a time, by the target's motion over the readout. None without a motion,
-/// and where all rows are of one time. The servicer is taken to keep its attitude meanwhile.
+/// The image motion at a time, by the target's motion over the readout. None without a motion, and
+/// with a global shutter. The servicer's attitude is assumed constant over the readout.
 ImageMotion expected_image_motion(std::int64_t timestamp_ns, const Component::State& s);
 
 }  // namespace polhode

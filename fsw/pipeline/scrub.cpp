@@ -48,7 +48,7 @@ bool scrub_mode(FrameClock* clock, ModeState* mode, BusState* bus) {
   return !known;
 }
 
-/// The map, with the drift, which nothing else tells.
+/// The map, with its drift, which no other table can restore.
 /// @return whether the target is to be reset.
 bool scrub_map(const CameraModel& camera, std::int64_t now_ns, MapState* mapping, BusState* bus) {
   Repair map = repair(camera, now_ns, &mapping->map);
@@ -56,13 +56,13 @@ bool scrub_map(const CameraModel& camera, std::int64_t now_ns, MapState* mapping
     map = {.entries = map.entries + 1, .reset = true};
   }
   if (map.any()) {
-    drop_reference(mapping);  // it may follow landmarks that have gone
+    drop_reference(mapping);  // it may follow landmarks that were removed
     report_damage("map", map, bus);
   }
   return map.reset;
 }
 
-/// What rests on the map: the reference of optical flow, and the motion.
+/// Tables that depend on the map: the reference of optical flow, and the motion.
 void scrub_motion(
     std::int64_t now_ns, MapState* mapping, MotionEstimate* motion, JobQueue* jobs, BusState* bus) {
   if (!is_valid(mapping->reference, mapping->map)) {
@@ -87,7 +87,7 @@ void scrub_tracks(InitialisationState* initialisation, JobQueue* jobs, BusState*
   }
 }
 
-/// A table that nothing else rests on.
+/// A table that no other depends on.
 template <typename Table>
 void scrub_table(std::string_view name, Table* table, BusState* bus) {
   if (!is_valid(*table)) {

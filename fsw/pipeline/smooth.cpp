@@ -22,7 +22,7 @@
 namespace polhode {
 namespace {
 
-constexpr int kInliersMin = 12;  // as localise.inliers_min has it by default
+constexpr int kInliersMin = 12;  // the default of localise.inliers_min
 
 std::vector<PoseObservation> observations_of(const Keyframe& keyframe,
                                              const Map& map,
@@ -56,7 +56,7 @@ SmoothedPose refine(const std::vector<PoseObservation>& observations, const Pose
   return smoothed;
 }
 
-/// By slot: the sum over the image points that keyframes have of a landmark. Zero without any.
+/// Information of each landmark slot: the sum over its observations in keyframes. Zero without any.
 std::vector<Eigen::Matrix3d> information_of_landmarks(const Map& map, const CameraModel& camera) {
   std::vector<Eigen::Matrix3d> information(map.landmarks.size(), Eigen::Matrix3d::Zero());
   for (const Keyframe& keyframe : map.keyframes) {
@@ -85,7 +85,7 @@ const Keyframe* keyframe_of(const Map& map, std::uint32_t frame) {
 }  // namespace
 
 void bring_to_rest(Component* component) {
-  // Without a deadline: each round looks for observations once more, and 50 iterations converge.
+  // Without a deadline: each round searches observations once more, and 50 iterations converge.
   constexpr int kRounds = 3;
   constexpr int kIterations = 50;
   Component::State* s = ComponentAccess::state(*component);
@@ -169,15 +169,15 @@ SmoothedPose MapAtRest::from_image(const Frame& frame) {
   find_target(s->picture.gray, c.parameters.mask, &s->picture.mask);
   s->features.image_motion = expected_image_motion(frame.timestamp_ns, *s);
   detect_once(s->picture, s->configuration, s->steps_to_shed > 0, s->timer, &s->features);
-  // A busy background leaves the target too few features to be found among all: the motion knows
-  // where it was, as seen by an observer who stands still.
+  // With a busy background the target has too few features for matching over the whole map. The
+  // motion predicts its pose, but only for an observer with constant attitude.
   const auto expected =
       s->motion.observer_known
           ? std::nullopt
           : pose_by_joint_model(s->motion, c.parameters.motion, frame.timestamp_ns, s->motion.R_IC);
   const MapInput input = map_input(*s);
   SmoothedPose smoothed;
-  // The model goes through this time: no step leads there.
+  // The model was fitted over this time, so nothing is extrapolated from the last pose.
   const auto prior =
       expected ? std::optional(ExpectedPose{.prediction = *expected,
                                             .poses_since_start = s->motion.poses_since_start})

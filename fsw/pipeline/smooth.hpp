@@ -1,7 +1,7 @@
-// The end of a replay: the map brought to rest with all that was seen, and every frame's pose from
-// it.
+// The end of a replay: adjusts the map with all observations until it has converged, and solves
+// every frame's pose from it.
 //
-// This is work for the ground: it takes what memory and time it needs. What flies is step().
+// This is work for the ground, without bounds of memory and time. Flight uses step() only.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,12 +18,12 @@ namespace polhode {
 
 struct CameraFit;
 
-/// Joint adjustment of all keyframes and landmarks until nothing moves, with observations looked
-/// for anew in every keyframe between the rounds. A job that is still out is ended first: the
-/// caller has it no longer. T keeps its axes, origin and scale.
+/// Joint adjustment of all keyframes and landmarks until convergence. Observations are searched
+/// again in every keyframe between the rounds. Jobs that are out are ended first; the caller must
+/// not run them any more. T keeps its axes, origin and scale.
 void bring_to_rest(Component* component);
 
-/// Tests the camera by the map at rest, and takes the result in.
+/// Tests the camera by the converged map, and takes the result.
 CameraFit test_camera_at_rest(Component* component);
 
 struct SmoothedPose {
@@ -32,19 +32,19 @@ struct SmoothedPose {
   int matches = 0;
 };
 
-/// Poses of single frames from the map at rest.
+/// Poses of single frames from the converged map.
 class MapAtRest {
  public:
   explicit MapAtRest(Component* component);
 
-  /// From what the step measured: a keyframe has its adjusted pose, another frame the pose that its
-  /// logged observations give. `hint` is the causal pose.
+  /// From the step's measurements: the adjusted pose of a keyframe, else the pose solved from the
+  /// frame's logged observations. `hint` is the causal pose.
   SmoothedPose from_log(std::uint32_t frame,
                         const Pose& hint,
                         std::span<const Observation> inliers) const;
 
-  /// From the picture itself, for a frame that had no pose at its time: found by descriptors, where
-  /// the motion has the target at that time, else over the whole map.
+  /// From the image itself, for a frame without a causal pose. Features are matched by descriptors,
+  /// about the pose predicted by the motion, else over the whole map.
   SmoothedPose from_image(const Frame& frame);
 
  private:
@@ -53,10 +53,10 @@ class MapAtRest {
 };
 
 /// Reads the configured length or range in the keyframe of the configured time.
-/// @return false where there is none, or nothing can be read in it.
+/// @return false without such a keyframe, or without a reading in it.
 bool read_scale_in_keyframe(Component* component);
 
-/// Reads it in the picture that MapAtRest::from_image() found a pose for last.
+/// Reads it in the last image for which MapAtRest::from_image() found a pose.
 bool read_scale_in_image(Component* component);
 
 /// Reads the configured diameter or edge in a shape, in map units.

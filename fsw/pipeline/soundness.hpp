@@ -1,12 +1,11 @@
-// Whether what a component goes on with after a restart may be computed with.
+// Checks the state with which a component continues after a restart.
 #pragma once
 
 #include "pipeline/component.hpp"
 
 namespace polhode {
 
-/// Asks each room, and whether the parameters are the ones whose CRC is beside them, in their
-/// ranges.
+/// Checks each room, the parameters' ranges and their CRC.
 bool is_valid(const Component::State& state);
 
 }  // namespace polhode

@@ -59,8 +59,8 @@ void detect_once(const PictureState& picture,
     return;
   }
   FeatureOptions options = configuration.parameters.features;
-  if (memory_short) {                // half the pixels, and as many features as those give
-    constexpr int kCountLeast = 50;  // as a configuration may say
+  if (memory_short) {                // half the pixels, and half the features
+    constexpr int kCountLeast = 50;  // least configurable count
     options.working_pixels_max /= 2;
     options.count_max = std::max(kCountLeast, options.count_max / 2);
   }

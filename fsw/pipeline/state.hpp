@@ -1,5 +1,5 @@
-// Everything that a component remembers from step to step: the state of each room, in the order of
-// the flow. Plain data, owned by whoever owns the memory.
+// The state that a component keeps from step to step: that of each room, in the order of the flow.
+// Plain data, owned by the owner of the memory.
 #pragma once
 
 #include <cmath>
@@ -27,32 +27,32 @@ namespace polhode {
 struct InactiveTable {
   bool begun = false;
   Parameters parameters;
-  std::uint32_t crc = 0;  ///< CRC-32 over the octets of all entries loaded
+  std::uint32_t crc = 0;  ///< CRC-32 over the bytes of all entries loaded
   std::uint32_t entries = 0;
 };
 
-/// What holds until a command changes it.
+/// Settings that hold until a command changes them.
 struct Configuration {
   Parameters parameters;
-  Parameters spare;  ///< as they were when the last step began, should their memory be damaged
+  Parameters spare;  ///< copy from the last step's beginning, for repair
   CameraModel camera;
   std::uint32_t table_crc = 0;      ///< of the active table
-  bool background_planned = false;  ///< libraries' memory was planned for a mask that tells a
-                                    ///< background from the target
-  std::size_t memory_octets = 0;    ///< that the component was given
+  bool background_planned = false;  ///< libraries' memory was planned for a mask that
+                                    ///< separates the background from the target
+  std::size_t memory_octets = 0;    ///< given to the component
   InactiveTable inactive;
 };
 
-/// More than the component was given, or than was planned for the libraries.
+/// Do these parameters need more than the component was given, or than was planned for libraries?
 bool needs_more_memory(const Parameters& parameters, const Configuration& configuration);
 
-/// Told where each stage ends, so that the caller can time it.
+/// Called at the end of each stage, so that the caller can time it.
 struct StageTimer {
   StageHook hook = nullptr;
   void* context = nullptr;
 };
 
-/// What the caller reads after a step.
+/// A step's output to the caller.
 struct Answer {
   FixedVector<Observation, limits::kPoseMatches> observations;
   StepOutput output;
@@ -63,7 +63,7 @@ struct Component::State {
   Counters counters;
   ModeState mode;
   FrameClock clock;
-  std::uint32_t steps_to_shed = 0;  ///< for so long less is asked of the libraries
+  std::uint32_t steps_to_shed = 0;  ///< steps left with reduced work for libraries
   PictureState picture;
   FeatureState features;
   InitialisationState initialisation;
@@ -78,27 +78,26 @@ struct Component::State {
   StageTimer timer;
 };
 
-/// For what is built on top of a component beside its steps: checkpoints, the end of a replay,
-/// tests.
+/// Access to the state for code beside the steps: checkpoints, the end of a replay, tests.
 struct ComponentAccess {
   static Component::State* state(Component& component) { return component.state_; }
   static const Component::State* state(const Component& component) { return component.state_; }
 };
 
-/// 1-sigma of a metre, and of the map's unit while the initialisation is all it rests on, as a part
-/// of it.
+/// Relative 1-sigma of lengths: of the scale, and of the map's unit where it depends on the
+/// initialisation alone.
 inline double length_sigma(const ScaleState& scale, const MapDrift& drift) {
   return std::hypot(scale.relative_sigma, unit_sigma(drift));
 }
 
-/// The unit of lengths as they are now.
+/// The present unit of lengths.
 inline LengthsUnit lengths_unit(const Component::State& state) {
   return {.known = state.scale.known,
           .metres_per_mu = state.scale.metres_per_mu,
           .target_frame = state.mapping.target_frame};
 }
 
-/// Tells the caller's hook that a stage has ended.
+/// Calls the caller's hook at the end of a stage.
 inline void stage_done(Stage stage, const StageTimer& timer) {
   if (timer.hook != nullptr) {
     timer.hook(timer.context, stage);
@@ -108,13 +107,13 @@ inline void stage_done(Stage stage, const StageTimer& timer) {
 /// This frame as the map sees it.
 MapInput map_input(const Component::State& state);
 
-/// What a reading of the scale needs.
+/// Input of a reading of the scale.
 ScaleInput scale_input(const Component::State& state);
 
-/// Of a job that is issued in this step.
+/// Times of a job that is issued in this step.
 JobTimes job_times(const Component::State& state);
 
-/// Nothing is left of the last frame's features, matches, pose and verdict.
+/// Clears the last frame's features, matches, pose and verdict.
 void forget_frame(MapState* mapping, PictureState* picture, FeatureState* features);
 
 /// Detects this frame's features, the first time that it is called in a step.

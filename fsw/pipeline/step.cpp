@@ -1,4 +1,4 @@
-// One step, the rooms in the order that data travels.
+// One step: the rooms in the order of the data flow.
 #include <algorithm>
 #include <optional>
 
@@ -31,8 +31,8 @@ void begin_step(Component::State* s) {
   s->answer.output.checkpoint_asked = false;
 }
 
-/// Memory that was short comes back when less is asked for; after a second or so of frames it is
-/// tried again in full.
+/// Reduced work frees memory that was short. After about a second of frames the full work is tried
+/// again.
 void shed_load(bool memory_short, std::uint32_t* steps_to_shed, Counters* counters) {
   constexpr std::uint32_t kSteps = 30;  // 1 to 3 s at 10 to 30 frames/s
   if (memory_short) {
@@ -43,7 +43,7 @@ void shed_load(bool memory_short, std::uint32_t* steps_to_shed, Counters* counte
   counters->steps_short_of_memory += *steps_to_shed > 0 ? 1 : 0;
 }
 
-/// The frame's time, then its picture, where they can be used.
+/// Takes the frame's time, then its image, where they can be used.
 FrameUse take_frame(const Frame& frame, Component::State* s) {
   std::uint32_t missing = 0;
   const Admission admission = admit(frame.timestamp_ns, &s->clock, &missing);
@@ -84,7 +84,7 @@ void locate_target(const std::optional<PosePrediction>& predicted, Component::St
   run_undelayed(&s->jobs.map, s);
 }
 
-/// Sends off a prepared test of the camera, when no estimate of the shape is out.
+/// Issues a prepared test of the camera, when no estimate of the shape is out.
 void test_camera(JobTimes times, CameraState* camera, JobQueue* jobs) {
   if (camera->waits && !is_out(jobs->shape)) {
     times.delay = std::max(times.delay, times.delay_of_all);
@@ -93,14 +93,14 @@ void test_camera(JobTimes times, CameraState* camera, JobQueue* jobs) {
   }
 }
 
-/// Metres, and the shape where an estimate is due.
+/// Reads the scale, and issues an estimate of the shape where one is due.
 void measure_target(Component::State* s) {
   const Configuration& c = s->configuration;
   const ScaleOptions& options = c.parameters.scale;
   if (s->mapping.pose_valid) {
     count(read_scale(s->clock.timestamp_ns, s->mapping, scale_input(*s), &s->scale), &s->counters);
   }
-  // While a known diameter or edge waits for a shape, sooner: a young map has few confirmed
+  // More often while a known diameter or edge waits for a shape: a young map has few confirmed
   // landmarks.
   const bool scale_is_awaited =
       !s->scale.known && (options.known_diameter_m != 0.0 || options.known_edge_m != 0.0);
@@ -122,7 +122,7 @@ void measure_target(Component::State* s) {
   stage_done(Stage::kShape, s->timer);
 }
 
-/// The pose joins those so far; the dynamics are fitted anew when that is due.
+/// Adds the pose to the motion; the dynamics are fitted again when that is due.
 void estimate_motion(Component::State* s) {
   if (s->mapping.pose_valid) {
     const MotionOptions& options = s->configuration.parameters.motion;

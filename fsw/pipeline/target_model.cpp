@@ -17,13 +17,13 @@
 namespace polhode {
 namespace {
 
-/// As many bits as a number has.
+/// Unsigned integer of a number's width.
 template <typename T>
 using BitsOf = std::conditional_t<sizeof(T) == 8,
                                   std::uint64_t,
                                   std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint8_t>>;
 
-/// Numbers one after the other, least significant octet first on every machine.
+/// Writes numbers in sequence, least significant byte first on every machine.
 class Writer {
  public:
   explicit Writer(std::span<std::uint8_t> out) : out_(out) {}
@@ -42,7 +42,7 @@ class Writer {
   std::size_t used_ = 0;
 };
 
-/// What is not there reads as zero, and shows in good().
+/// Missing bytes read as zero and clear good().
 class Reader {
  public:
   explicit Reader(std::span<const std::uint8_t> octets) : octets_(octets) {}
@@ -84,7 +84,7 @@ void put(Archive* a, Values&... values) {
   (one(values), ...);
 }
 
-/// What stands before the tables.
+/// Header before the tables.
 struct Head {
   TargetModelFacts facts;
   MapDrift drift;
@@ -142,7 +142,7 @@ StoredFeature stored(const Feature& feature, std::uint32_t landmark, double foca
           .descriptor = feature.descriptor};
 }
 
-/// As this camera would have it. It may lie beside the image: the range was another one.
+/// The feature in this camera's pixels. It may lie outside the image: the range was another one.
 Feature feature_of(const StoredFeature& stored, const CameraModel& camera) {
   const Eigen::Vector2d pixel = project_px(camera, stored.normalised);
   return {.normalised = stored.normalised,
@@ -168,7 +168,7 @@ KnownBody body_of(const RigidModel& model) {
   return body;
 }
 
-/// The surer one of two of the same body.
+/// The one of two estimates of the same body with the smaller errors of inertia.
 const KnownBody& surer(const KnownBody& a, const KnownBody& b) {
   const bool b_is_surer =
       b.known && (!a.known || b.shape_sigma.maxCoeff() < a.shape_sigma.maxCoeff());
@@ -198,8 +198,8 @@ FixedVector<KeyframeId, limits::kKeyframes> oldest_first(const Map& map) {
 /// Numbers of keyframes, the oldest first.
 using Ages = FixedVector<std::uint32_t, limits::kKeyframes>;
 
-/// Place of the last keyframe that is not younger than a number: numbers grow with a run, places do
-/// not from pass to pass.
+/// Rank of the last keyframe that is not younger than a number. Numbers grow during a run; ranks do
+/// not grow from pass to pass.
 std::uint32_t rank_of(std::uint32_t number, const Ages& numbers) {
   const auto younger = std::upper_bound(numbers.begin(), numbers.end(), number);
   return static_cast<std::uint32_t>(std::max<std::ptrdiff_t>(0, younger - numbers.begin() - 1));
@@ -227,7 +227,7 @@ void write_keyframe(const Keyframe& keyframe,
   }
 }
 
-/// A bound on errors that errors have.
+/// Is it a covariance: positive semi-definite?
 bool is_error(const PoseCovariance& covariance) {
   return Eigen::LDLT<PoseCovariance>(covariance).isPositive();
 }
@@ -359,7 +359,7 @@ Result<TargetModelFacts> load_target_model(std::span<const std::uint8_t> octets,
   s->motion.known_body = head.facts.body;
   mapping.target_frame = 1;
   s->bus.reported.target_frame = 1;
-  s->bus.reported.mode = Mode::kLost;  // so that it is told to be found again
+  s->bus.reported.mode = Mode::kLost;  // so that the transition to TRACKING is reported
   mapping.last_adjustment_of_all = {.keyframes = head.facts.keyframes,
                                     .next_keyframe_number = map.next_keyframe_number};
   s->scale.known = head.facts.scale_known;
@@ -371,7 +371,8 @@ Result<TargetModelFacts> load_target_model(std::span<const std::uint8_t> octets,
 }
 
 void date_target_model(std::int64_t first_frame_ns, Map* map, MotionEstimate* motion) {
-  // Longer than keyframes of one pass are apart, so that nothing takes both for one motion.
+  // Longer than the time between keyframes of one pass, so that the passes are not taken for one
+  // motion.
   constexpr std::int64_t kBefore_ns = 3'600'000'000'000;
   for (Keyframe& keyframe : map->keyframes) {
     keyframe.timestamp_ns += keyframe.used ? first_frame_ns - kBefore_ns : 0;

@@ -16,7 +16,7 @@ enum class FoundBy : std::uint8_t {
   kNothing,
   kFlow,
   kFeatures,
-  kPrior,  ///< too few features for a pose of their own, which the motion so far bears out
+  kPrior,  ///< too few features for a pose of their own, consistent with the motion so far
 };
 
 /// This frame's pose, in `mapping.localised`.
@@ -38,7 +38,7 @@ FoundBy find_pose(const std::optional<ExpectedPose>& expected, Component::State*
     return FoundBy::kFeatures;
   }
   if (!expected && recognise_frame(input, mapping)) {
-    // What it leaves open all poses share from here on, as the map goes on by it.
+    // Its uncertainty is common to all later poses, as they and the map build on this one.
     const PoseCovariance& open = mapping->localised.absolute.covariance;
     add_reanchoring(worst_sigma(open.topLeftCorner<3, 3>()),
                     worst_sigma(open.bottomRightCorner<3, 3>()),
@@ -63,14 +63,14 @@ void accept_pose(MapState* mapping, ModeState* mode, Counters* counters) {
   change_mode(ModeEvent::kPoseFound, mode);
 }
 
-/// While a start is sought the map does not grow; while it is being adjusted it does, and the
-/// result is merged.
+/// The map does not grow while a hypothesis selection is out. It grows during an adjustment, and
+/// the result is merged.
 bool may_grow(const Component::State& s) {
   return (!is_out(s.jobs.map) || is_out_with<AdjustmentJob>(s.jobs.map)) &&
          wants_keyframe(map_input(s), s.mapping);
 }
 
-/// This frame becomes a keyframe; an adjustment is asked for, which waits for the one that is out.
+/// Makes this frame a keyframe and requests an adjustment, which waits for the one that is out.
 void grow(Component::State* s) {
   PictureState& picture = s->picture;
   MapState& mapping = s->mapping;
@@ -87,8 +87,8 @@ void grow(Component::State* s) {
   }
 }
 
-/// Does the motion so far bear out a pose that was found without it?
-/// @return time of the pose before, where that one turns out to be wrong.
+/// Checks a pose against the motion so far, by which it was not constrained.
+/// @return time of the previous pose, where that one proves wrong.
 std::optional<std::int64_t> judge(const std::optional<ExpectedPose>& expected,
                                   std::int64_t now_ns,
                                   MapState* mapping,
@@ -123,16 +123,16 @@ std::optional<std::int64_t> judge(const std::optional<ExpectedPose>& expected,
   return judgement.withdrawn_ns;
 }
 
-/// The keyframe of a wrong pose goes before the map grows on it.
+/// Removes the keyframe of a wrong pose before the map grows from it.
 void withdraw(std::int64_t timestamp_ns, MapState* mapping) {
   withdraw_keyframe(timestamp_ns, &mapping->map);
   keep_matches_of_map(mapping->map, &mapping->localised.matches);
   keep_matches_of_map(mapping->map, &mapping->reference.points);
 }
 
-/// A pose by the prior. The motion does not learn it, and so its prediction's sigma grows until
-/// nothing is held any more; landmarks that are not found here are not counted against. The map
-/// grows where as many agree as a pose of its own needs.
+/// A pose constrained by the prior. It does not update the motion, so the prediction's sigma grows
+/// until no such pose is accepted. Missed landmarks are not counted as failures. The map grows
+/// where the inliers suffice for a pose without the prior.
 void keep_hold(Component::State* s) {
   MapState* mapping = &s->mapping;
   mapping->pose_updates_motion = false;

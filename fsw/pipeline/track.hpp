@@ -1,4 +1,4 @@
-// TRACKING and LOST: the pose of each frame from the map, which grows by it.
+// TRACKING and LOST: solves each frame's pose from the map, and extends the map.
 #pragma once
 
 #include <optional>
@@ -8,13 +8,12 @@
 
 namespace polhode {
 
-/// Finds the frame's pose by optical flow or guided matching, whichever the predicted image motion
-/// calls for, else by relocalisation; extends the map. A frame without a pose is collected for a
-/// new start.
-/// @param predicted  the pose by the motion so far; nothing where no pose is known.
+/// Finds the frame's pose by optical flow, by guided matching about the prediction, or by
+/// relocalisation; extends the map. A frame without a pose is collected for a new initialisation.
+/// @param predicted  the pose by the motion so far; empty without any pose so far.
 void track(const std::optional<PosePrediction>& predicted, Component::State* state);
 
-/// A frame without a pose, in which it was looked for: the mode is LOST.
+/// A frame without a pose after a search for the target: the mode becomes LOST.
 void lose_target(Component::State* state);
 
 }  // namespace polhode

@@ -24,7 +24,7 @@ namespace {
 
 using ByUnknowns = Eigen::Matrix<double, 6, kFreeBodyUnknowns>;
 using PointByUnknowns = Eigen::Matrix<double, 3, kFreeBodyUnknowns>;
-// Turn, shift and scale of T.
+// Rotation, translation and scale of T.
 constexpr int kGaugeRows = 7;
 using GaugeRows = Eigen::Matrix<double, kGaugeRows, kFreeBodyUnknowns>;
 template <int kRows>
@@ -58,8 +58,8 @@ Place place_of(const FreeBodyMotion& motion,
   return place;
 }
 
-/// Follows the motion to the time of each pose, and settles the points there. Ceres asks for it
-/// before each evaluation, so Euler's equation is integrated once for all observations.
+/// Computes the poses from the motion, and re-solves the points. Ceres calls it before each
+/// evaluation, so Euler's equation is integrated once for all observations.
 class MotionAndPoints final : public ceres::EvaluationCallback {
  public:
   MotionAndPoints(const FreeBodyProblem& problem, double cauchy_sigma)
@@ -93,7 +93,7 @@ class MotionAndPoints final : public ceres::EvaluationCallback {
     return motion;
   }
 
-  /// Derivatives are asked for where a motion is kept: its points are then kept, too.
+  /// Derivatives are requested for an accepted motion: its points are accepted, too.
   void PrepareForEvaluation(bool with_derivatives, bool is_new) override {
     if (is_new) {
       possible_ = pose() && settle();
@@ -124,7 +124,7 @@ class MotionAndPoints final : public ceres::EvaluationCallback {
         });
   }
 
-  /// Of the poses and points as they are, priors included.
+  /// Cost of the present poses and points, priors included.
   [[nodiscard]] double cost() const {
     const Eigen::Map<const FreeBodyVector> x(unknowns.data());
     return bundle_cost(p_.bundle, cauchy_sigma_) + 0.5 * prior().dot(x.cwiseAbs2());
@@ -181,7 +181,7 @@ class MotionAndPoints final : public ceres::EvaluationCallback {
            integrate(std::make_reverse_iterator(later), std::make_reverse_iterator(order.begin()));
   }
 
-  /// From where the points would go by the linear model.
+  /// Re-solves the points, beginning at their predictions by the linear model.
   bool settle() {
     const FreeBodyVector step = Eigen::Map<const FreeBodyVector>(unknowns.data()) - kept_unknowns_;
     for (std::size_t i = 0; i < points_T_.size(); ++i) {
@@ -219,7 +219,7 @@ class MotionAndPoints final : public ceres::EvaluationCallback {
         });
   }
 
-  /// How each settled point follows the unknowns, and the information that is left of them then.
+  /// Derivatives of each settled point by the unknowns; their information, with points eliminated.
   void linearise_points() {
     information_ = prior().asDiagonal();
     with_avx2([&] {
@@ -281,7 +281,7 @@ class MotionAndPoints final : public ceres::EvaluationCallback {
   FreeBodyInformation information_ = FreeBodyInformation::Zero();
 };
 
-/// Of an observation, in sigma, its point following the motion.
+/// Residual of an observation, in sigma; its point follows the motion.
 class FollowedPointCost final : public ceres::SizedCostFunction<2, kFreeBodyUnknowns> {
  public:
   FollowedPointCost(const BundleObservation& observation, const MotionAndPoints& at)
@@ -315,7 +315,7 @@ class FollowedPointCost final : public ceres::SizedCostFunction<2, kFreeBodyUnkn
   const MotionAndPoints& at_;
 };
 
-/// Shape and mass centre, in sigma.
+/// Residuals of the priors of shape and mass centre, in sigma.
 class MotionPriorCost final : public ceres::SizedCostFunction<kPriorNumbers, kFreeBodyUnknowns> {
  public:
   explicit MotionPriorCost(const FreeBodyProblem& problem) {

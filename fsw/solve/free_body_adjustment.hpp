@@ -33,7 +33,7 @@ struct FreeBodyMotion {
   Orbit orbit;
 };
 
-/// The bundle's poses follow from the motion, whatever pose_fixed says. Points, motion and poses
+/// The bundle's poses follow from the motion; its pose_fixed is ignored. Points, motion and poses
 /// are changed in place.
 struct FreeBodyProblem {
   BundleProblem bundle;
@@ -53,8 +53,8 @@ struct FreeBodyReport {
 
 /// Levenberg-Marquardt by Ceres over the twenty unknowns alone, by variable projection: each trial
 /// motion has its points re-solved (decision 0043).
-/// @return not usable where the motion diverges or puts a point behind a camera. The problem's
-/// motion, poses and points then mean nothing.
+/// @return not usable if the motion diverges or moves a point behind a camera. The problem's
+/// motion, poses and points are then invalid.
 /// @cost for each trial a settling of all points, two to three linearisations of all observations;
 /// for each motion that is kept one more and a dense system of twenty. Deterministic; heap by
 /// adjustment_bytes_max().

@@ -24,8 +24,8 @@ struct TrackObservation {
   double sigma_normalised = 1.0;
 };
 
-/// Poses and points of a hypothesis, in the caller's arrays. Unknown ones are left out. The seven
-/// gauge freedoms are fixed by `normalise_gauge`.
+/// Poses and points of a hypothesis, in the caller's arrays. Those not marked `posed` or `known`
+/// are left out. The seven gauge freedoms are fixed by `normalise_gauge`.
 struct InitialGeometryView {
   std::span<InverseDepthPose> poses;  ///< by frame
   std::span<std::uint8_t> posed;
@@ -84,7 +84,7 @@ struct InitialAdjustmentWorkspace {
   FixedVector<Block, kInitialObservations> blocks;
   FixedVector<PointBlock, limits::kInitialTracks> point_blocks;
   std::array<Eigen::Matrix<double, 6, 6>, limits::kInitialFrames> camera_blocks;
-  Eigen::MatrixXd reduced;  ///< 6 F square; factorised in place
+  Eigen::MatrixXd reduced;  ///< 6 rows and columns per frame; factorised in place
   CameraVector camera_gradient;
   CameraVector camera_step;
   std::array<InverseDepthPose, limits::kInitialFrames> trial_poses;
