@@ -22,7 +22,7 @@ struct BodyDynamics {
   /// Principal axes in T as columns, right-handed, by growing moment; largest component positive
   /// for the first two.
   Eigen::Matrix3d R_TP = Eigen::Matrix3d::Identity();
-  std::array<double, 3> sigma_axis_rad{};  ///< of each axis' direction, worst way
+  std::array<double, 3> sigma_axis_rad{};  ///< of each axis' direction, worst axis
   std::array<Observability, 3> axes{};
   Estimated middle_over_least;  ///< ratio of principal moments
   Estimated largest_over_least;

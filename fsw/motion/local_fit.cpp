@@ -17,8 +17,8 @@ constexpr int kLocalRotationUnknowns = 3 * (kDegree + 1);
 constexpr int kLocalTranslationUnknowns = 12;  // g, v, a, c
 
 // Deviations from a constant rate, in parts of the rate: from none to the largest of a free body.
-// There |dw/dt| <= |w|^2 / sqrt(3), because (I_j - I_k) / I_i <= 1. The steps of a list are coarse:
-// evidence interpolates.
+// There |dw/dt| <= |w|^2 / sqrt(3), because (I_j - I_k) / I_i <= 1. The list is coarse: averaging
+// the fits by their evidence interpolates between its values.
 constexpr std::array<double, 6> kBends{1e-4, 0.01, 0.03, 0.1, 0.3, 1.0};
 // Keeps the prior proper for a body at rest: a bend of less than a milliradian over the series is
 // below the noise of poses.

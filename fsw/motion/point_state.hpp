@@ -30,7 +30,7 @@ struct PointState {
   std::array<double, 3> normal_C{};
   std::array<double, 6> cov_p{};  ///< of p_C: xx, xy, xz, yy, yz, zz
   std::array<double, 6> cov_v{};  ///< of v_C, likewise
-  double sigma_normal_rad = 0.0;  ///< 1-sigma of its direction, worst way
+  double sigma_normal_rad = 0.0;  ///< 1-sigma of its direction, worst axis
 };
 
 }  // namespace polhode

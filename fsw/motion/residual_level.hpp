@@ -25,8 +25,8 @@ struct ResidualInput {
   double rotation_of_frame_rad = 0.0;  ///< mean angle between successive poses
 };
 
-/// @see ResidualLevel. Residuals over 5 sigma, of the larger of declared and found noise, are
-/// outliers.
+/// @see ResidualLevel. Outliers are residuals over 5 sigma, by the declared or the found noise,
+/// whichever is larger.
 ResidualLevel residual_level(const ResidualInput& input);
 
 /// Factor on the covariance of a fit that took residuals as independent and of the declared size.

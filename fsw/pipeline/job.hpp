@@ -62,7 +62,7 @@ struct JobQueue {
 
 /// Issues a prepared job: to the caller with this step's output, or, with a delay of 0, to run
 /// within the step.
-/// @param job  one of the queue's, not out.
+/// @param job  one of the queue's jobs, which holds no work.
 void issue_job(JobWork work, const JobTimes& times, Job* job, JobQueue* queue);
 
 /// Marks fits to the poses so far as stale.

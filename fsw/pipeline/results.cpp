@@ -95,7 +95,8 @@ void take_if_due(Job* job, const Jobs& finished, Component::State* s) {
 /// than these is of a body that shows the same aspect for longer. Its adjustments take several
 /// times as long as a step, and run beside the steps.
 bool begins_within_step(const Component::State& s) {
-  constexpr std::uint32_t kKeyframesMost = 12;  // 20 to 32 take 0.1 to 0.2 s. Chosen
+  // An adjustment of 20 to 32 keyframes takes 0.1 to 0.2 s. Chosen
+  constexpr std::uint32_t kKeyframesMost = 12;
   const AdjustmentJob& job = s.jobs.adjustment;
   return is_out_with<AdjustmentJob>(s.jobs.map) && job.reason != AdjustmentReason::kMapGrown &&
          s.mapping.map.next_keyframe_number - job.first_keyframe <= kKeyframesMost;
