@@ -40,10 +40,9 @@ struct RigidModel {
   RotationState reference;  ///< its time is 0
   InertiaShape shape = InertiaShape::Zero();
   TranslationVector path = TranslationVector::Zero();
-  ModelCovariance covariance =
-      ModelCovariance::Zero();     ///< by the noise found, widened for its correlation
-  double mass_centre_sigma = 1.0;  ///< prior of the mass centre's place
-  Orbit orbit;                     ///< its time 0 is the reference
+  ModelCovariance covariance = ModelCovariance::Zero();  ///< of noise found, and its correlation
+  double mass_centre_sigma = 1.0;                        ///< prior of the mass centre's place
+  Orbit orbit;                                           ///< its time 0 is the reference
   ResidualLevel attitude;
   ResidualLevel position;
   std::size_t poses = 0;
