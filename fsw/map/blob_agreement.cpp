@@ -29,8 +29,9 @@ AlikeView most_alike(const Map& map, const Landmark& landmark, const Feature& fe
   return alike;
 }
 
-/// Where a view's orientation points in the image of another pose: it lies in the surface.
-double angle_from(const Pose& pose, const Landmark& landmark, const AlikeView& view) {
+/// Where a view's orientation points in the image of another pose, a unit vector: it lies in the
+/// surface.
+Eigen::Vector2d direction_from(const Pose& pose, const Landmark& landmark, const AlikeView& view) {
   constexpr double kStep = 1e-3;  // small against any body in the image, in the plane z = 1
   const Pose& seen_by = view.keyframe->pose;
   const Eigen::Vector3d p_C = seen_by.to_camera(landmark.p_T);
@@ -40,15 +41,14 @@ double angle_from(const Pose& pose, const Landmark& landmark, const AlikeView& v
   const Eigen::Vector3d ray = (p_C.hnormalized() + step).homogeneous();
   const Eigen::Vector3d beside_C = normal_C.dot(p_C) / normal_C.dot(ray) * ray;
   const Eigen::Vector3d beside_T = seen_by.R_CT.transpose() * (beside_C - seen_by.p_CT);
-  const Eigen::Vector2d by =
-      pose.to_camera(beside_T).hnormalized() - pose.to_camera(landmark.p_T).hnormalized();
-  return std::atan2(by.y(), by.x());
+  return (pose.to_camera(beside_T).hnormalized() - pose.to_camera(landmark.p_T).hnormalized())
+      .normalized();
 }
 
 }  // namespace
 
 int agreeing_blobs(const LocaliseInput& input, const LocalisedFrame& frame) {
-  constexpr double kAngle_rad = 0.35;  // 2 sigma of a blob's orientation in other light
+  constexpr double kCosineMin = 0.94;  // 20 deg: 2 sigma of a blob's orientation in other light
   constexpr double kLogSize = 0.35;    // half an octave: one step of the scales
   const Pose& pose = frame.absolute.pose;
   int agreeing = 0;
@@ -64,11 +64,11 @@ int agreeing_blobs(const LocaliseInput& input, const LocalisedFrame& frame) {
     }
     const double size_px =
         landmark.size_mu * input.camera->focal_px() / pose.to_camera(landmark.p_T).z();
-    const double off_rad = std::remainder(
-        angle_from(pose, landmark, view) - static_cast<double>(feature.angle_rad), 2.0 * M_PI);
-    const bool agrees =
-        std::abs(off_rad) < kAngle_rad &&
-        std::abs(std::log(static_cast<double>(feature.scale_px) / size_px)) < kLogSize;
+    const auto angle_rad = static_cast<double>(feature.angle_rad);
+    const double cosine = direction_from(pose, landmark, view)
+                              .dot(Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad)));
+    const double log_size = std::log(static_cast<double>(feature.scale_px) / size_px);
+    const bool agrees = cosine > kCosineMin && std::abs(log_size) < kLogSize;
     agreeing += agrees ? 1 : 0;
   }
   return agreeing;
