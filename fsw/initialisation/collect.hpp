@@ -24,7 +24,7 @@ void clear(InitialisationState* state);
 /// Whether indices and sizes are within their tables, as long as no bit has flipped in memory.
 bool is_valid(const InitialisationState& state);
 
-/// What came of collect_frame().
+/// Result of collect_frame().
 struct Collected {
   bool kept = false;
   std::uint32_t tables_full = 0;  ///< tracks that found no place

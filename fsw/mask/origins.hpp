@@ -42,7 +42,7 @@ struct CarriedRegion {
   int flow_cell_px = 1;
 };
 
-/// What was values of an earlier image, by cells, along the flow. Between cells by interpolation;
+/// Moves values of an earlier image, by cells, along the flow. Between cells by interpolation;
 /// outside of it the border is repeated.
 /// @param flow    as above
 /// @param before  by cells like those of `out`

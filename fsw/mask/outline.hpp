@@ -26,11 +26,11 @@ struct OutlineInput {
   cv::Mat log_odds;  ///< CV_32FC1
   cv::Mat seeds;     ///< CV_8UC1 or empty: target whatever the log-odds
   cv::Rect region;   ///< outside of it the log-odds are 0
-  cv::Mat closing;   ///< CV_8UC1, of odd sides: structuring that it that closes closed
+  cv::Mat closing;   ///< CV_8UC1, of odd sides: structuring element that closes gaps
   int step = 1;      ///< working pixels per pixel of all of these, along a side
 };
 
-/// The piece with the largest sum of log-odds, and what lies close to it: closed, its holes filled.
+/// The piece with the largest sum of log-odds, and pieces close to it: closed, holes filled.
 /// @param outline CV_8UC1, 255 on the target; all 0 without a piece large enough.
 /// @return false when there is none.
 bool find_outline(const OutlineInput& input, OutlineScratch* scratch, cv::Mat* outline);
