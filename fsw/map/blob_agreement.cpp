@@ -7,23 +7,15 @@
 namespace polhode {
 namespace {
 
-/// The feature of a keyframe that looks most like this one, among a landmark's views.
-struct AlikeView {
-  const Keyframe* keyframe = nullptr;
-  const Feature* feature = nullptr;
-};
-
-AlikeView most_alike(const Map& map, const Landmark& landmark, const Feature& feature) {
-  AlikeView alike;
+/// The landmark's view that looks most like a feature; null where their keyframes are gone.
+const LandmarkView* most_alike(const Map& map, const Landmark& landmark, const Feature& feature) {
+  const LandmarkView* alike = nullptr;
   int least = std::numeric_limits<int>::max();
   for (const LandmarkView& view : landmark.views) {
-    const Keyframe& keyframe = map.keyframes[view.keyframe.index()];
-    const auto place = static_cast<std::size_t>(view.feature);
     const int distance = distance2(view.descriptor, feature.descriptor);
-    // A keyframe may be gone since the views were refreshed.
-    if (keyframe.used && place < keyframe.features.size() && distance < least) {
+    if (distance < least && feature_of_view(map, view) != nullptr) {
       least = distance;
-      alike = {.keyframe = &keyframe, .feature = &keyframe.features[place]};
+      alike = &view;
     }
   }
   return alike;
@@ -31,12 +23,15 @@ AlikeView most_alike(const Map& map, const Landmark& landmark, const Feature& fe
 
 /// Where a view's orientation points in the image of another pose, a unit vector: it lies in the
 /// surface.
-Eigen::Vector2d direction_from(const Pose& pose, const Landmark& landmark, const AlikeView& view) {
+Eigen::Vector2d direction_from(const Map& map,
+                               const Pose& pose,
+                               const Landmark& landmark,
+                               const LandmarkView& view) {
   constexpr double kStep = 1e-3;  // small against any body in the image, in the plane z = 1
-  const Pose& seen_by = view.keyframe->pose;
+  const Pose& seen_by = map.keyframes[view.keyframe.index()].pose;
   const Eigen::Vector3d p_C = seen_by.to_camera(landmark.p_T);
   const Eigen::Vector3d normal_C = seen_by.R_CT * landmark.normal_T;
-  const auto angle_rad = static_cast<double>(view.feature->angle_rad);
+  const auto angle_rad = static_cast<double>(feature_of_view(map, view)->angle_rad);
   const Eigen::Vector2d step = kStep * Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad));
   const Eigen::Vector3d ray = (p_C.hnormalized() + step).homogeneous();
   const Eigen::Vector3d beside_C = normal_C.dot(p_C) / normal_C.dot(ray) * ray;
@@ -58,18 +53,17 @@ int agreeing_blobs(const LocaliseInput& input, const LocalisedFrame& frame) {
       continue;
     }
     const Feature& feature = (*input.features)[static_cast<std::size_t>(match.feature)];
-    const AlikeView view = most_alike(*input.map, landmark, feature);
-    if (view.feature == nullptr) {
+    const LandmarkView* const view = most_alike(*input.map, landmark, feature);
+    if (view == nullptr) {
       continue;
     }
     const double size_px =
         landmark.size_mu * input.camera->focal_px() / pose.to_camera(landmark.p_T).z();
     const auto angle_rad = static_cast<double>(feature.angle_rad);
-    const double cosine = direction_from(pose, landmark, view)
+    const double cosine = direction_from(*input.map, pose, landmark, *view)
                               .dot(Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad)));
     const double log_size = std::log(static_cast<double>(feature.scale_px) / size_px);
-    const bool agrees = cosine > kCosineMin && std::abs(log_size) < kLogSize;
-    agreeing += agrees ? 1 : 0;
+    agreeing += cosine > kCosineMin && std::abs(log_size) < kLogSize ? 1 : 0;
   }
   return agreeing;
 }

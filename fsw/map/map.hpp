@@ -107,6 +107,14 @@ void merge_landmarks(LandmarkId from, LandmarkId into, Map* map);
 /// keyframes have not moved.
 void refresh_landmarks(Map* map, const CameraModel& camera);
 
+/// The feature that a view shows; null where its keyframe is gone since the views were refreshed.
+inline const Feature* feature_of_view(const Map& map, const LandmarkView& view) {
+  const Keyframe& keyframe = map.keyframes[view.keyframe.index()];
+  const auto place = static_cast<std::size_t>(view.feature);
+  const bool there = keyframe.used && place < keyframe.features.size();
+  return there ? &keyframe.features[place] : nullptr;
+}
+
 /// Slots of the used keyframes, newest first.
 FixedVector<KeyframeId, limits::kKeyframes> keyframes_by_age(const Map& map);
 

@@ -60,29 +60,34 @@ Pose pose_by(const Feature& feature,
   return pose;
 }
 
+/// @param row  of the table, like the feature; -1: none.
 void add_vote(const LocaliseInput& input,
-              std::int32_t feature,
-              std::int32_t landmark_slot,
-              std::int32_t view_index,
+              const DescriptorTable& table,
+              std::size_t feature,
+              std::int32_t row,
               std::vector<Vote>* votes) {
-  const Map& map = *input.map;
-  const Landmark& landmark = map.landmarks[static_cast<std::size_t>(landmark_slot)];
-  const LandmarkView& view = landmark.views[static_cast<std::size_t>(view_index)];
-  const Keyframe& keyframe = map.keyframes[view.keyframe.index()];
-  if (!keyframe.used || static_cast<std::size_t>(view.feature) >= keyframe.features.size()) {
-    return;  // gone since the views were refreshed
+  if (row < 0) {
+    return;
   }
-  const Feature& seen = (*input.features)[static_cast<std::size_t>(feature)];
-  const Pose pose = pose_by(
-      seen, landmark, keyframe.features[static_cast<std::size_t>(view.feature)], keyframe.pose);
+  const Map& map = *input.map;
+  const std::int32_t slot = table.landmark[static_cast<std::size_t>(row)];
+  const Landmark& landmark = map.landmarks[static_cast<std::size_t>(slot)];
+  const LandmarkView& view =
+      landmark.views[static_cast<std::size_t>(table.view[static_cast<std::size_t>(row)])];
+  const Feature* const before = feature_of_view(map, view);
+  if (before == nullptr) {
+    return;
+  }
+  const Feature& seen = (*input.features)[feature];
+  const Pose pose = pose_by(seen, landmark, *before, map.keyframes[view.keyframe.index()].pose);
   const Eigen::Vector3d centre_C = pose.to_camera(map.centre_T);
   if (centre_C.z() > 0.0) {
-    votes->push_back({.feature = feature,
+    votes->push_back({.feature = static_cast<std::int32_t>(feature),
                       .q_CT = Eigen::Quaterniond(pose.R_CT),
                       .centre = centre_C.hnormalized(),
                       .log_depth = std::log(centre_C.z()),
                       .p_CT = pose.p_CT,
-                      .landmark = landmark_slot,
+                      .landmark = slot,
                       .seen = seen.normalised,
                       .log_size = std::log(static_cast<double>(seen.scale_px) /
                                            (landmark.size_mu * input.camera->focal_px()))});
@@ -93,18 +98,9 @@ std::vector<Vote> votes_of(const LocaliseInput& input, const DescriptorTable& ta
   const std::vector<Neighbours> found = nearest_rows(table, *input.features);
   std::vector<Vote> votes;
   votes.reserve(2 * found.size());
-  const auto add = [&](std::size_t feature, std::int32_t row) {
-    if (row >= 0) {
-      add_vote(input,
-               static_cast<std::int32_t>(feature),
-               table.landmark[static_cast<std::size_t>(row)],
-               table.view[static_cast<std::size_t>(row)],
-               &votes);
-    }
-  };
   for (std::size_t f = 0; f < found.size(); ++f) {
-    add(f, found[f].nearest);
-    add(f, found[f].second);
+    add_vote(input, table, f, found[f].nearest, &votes);
+    add_vote(input, table, f, found[f].second, &votes);
   }
   return votes;
 }
@@ -134,17 +130,23 @@ bool supports(const Vote& vote, const Map& map, const Pose& pose, double reach) 
          std::abs(vote.log_size + std::log(p_C.z())) < kLogSize;
 }
 
-/// How many votes' features `counts` is true of.
-template <typename Counts>
-int features_of(const std::vector<Vote>& votes, const Counts& counts) {
-  int features = 0;
+/// Calls `take` with the first vote of each feature that `counts` is true of.
+template <typename Counts, typename Take>
+void each_feature(const std::vector<Vote>& votes, const Counts& counts, const Take& take) {
   std::int32_t last = -1;
   for (const Vote& vote : votes) {  // in the order of features
     if (vote.feature != last && counts(vote)) {
-      ++features;
+      take(vote);
       last = vote.feature;
     }
   }
+}
+
+/// Number of features with a vote that `counts` is true of.
+template <typename Counts>
+int features_of(const std::vector<Vote>& votes, const Counts& counts) {
+  int features = 0;
+  each_feature(votes, counts, [&](const Vote& /*vote*/) { ++features; });
   return features;
 }
 
@@ -198,16 +200,15 @@ Pose fit_to_votes(const LocaliseInput& input, const std::vector<Vote>& votes, Po
   for (int round = 0; round < kRounds; ++round, part *= kNearer) {
     const double reach = reach_of(input, part, pose);
     observations.clear();
-    std::int32_t last = -1;
-    for (const Vote& vote : votes) {  // in the order of features
-      if (vote.feature != last && supports(vote, *input.map, pose, reach)) {
-        last = vote.feature;
-        const auto slot = static_cast<std::size_t>(vote.landmark);
-        observations.push_back({.p_T = input.map->landmarks[slot].p_T,
-                                .normalised = vote.seen,
-                                .sigma_normalised = reach / kSigmas});
-      }
-    }
+    each_feature(
+        votes,
+        [&](const Vote& vote) { return supports(vote, *input.map, pose, reach); },
+        [&](const Vote& vote) {
+          const auto slot = static_cast<std::size_t>(vote.landmark);
+          observations.push_back({.p_T = input.map->landmarks[slot].p_T,
+                                  .normalised = vote.seen,
+                                  .sigma_normalised = reach / kSigmas});
+        });
     const std::vector<std::uint8_t> all(observations.size(), 1);
     const Result<AbsolutePose> fitted = refine_pose(observations, pose, all);
     if (!fitted) {

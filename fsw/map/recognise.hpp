@@ -14,7 +14,7 @@ inline constexpr int kAgreeingBlobsMin = 12;
 /// sizes and orientations. Poses that many of them give are fitted to those that support them, and
 /// tried. One is taken whose blobs agree, beyond chance more of them than with one of another
 /// aspect: of alike aspects one is as good as the other.
-/// @param before  pose of the frame before, tried too; null: there is none.
+/// @param before  a pose of some frames before, tried too; null: there is none.
 /// @return blobs that agree.
 /// @cost  squared in features, as far as two for each are alike.
 /// @errors TooFewObservations (no landmarks or no features), NoConsensus.
